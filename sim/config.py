@@ -9,6 +9,7 @@ import numpy as np
 from vitruvius.logic.spelling import unknown
 from vitruvius.sim.drive import COMMANDS, Drive
 from vitruvius.sim.fields import Derived, settle
+from vitruvius.sim.parts import MEMORY, PARTS
 
 FOOT = 0.3048
 PIXEL = FOOT / 8.5
@@ -39,8 +40,8 @@ MOST_PUSHES = 255
 
 
 RAYS = "rays"
-EXTRAS = {"bump": 1, "last_action": 3, "odometry": 4, "goal": 2, "geodesic": 1, "speed": 2}
-"""Parts of an observation other than rays, with the number of values of each: see ``Config.observe``."""
+EXTRAS = tuple(name for name in PARTS if name != MEMORY)
+"""Parts of an observation other than rays and memory: see ``sim.parts``."""
 
 VARIABLE = "noise", "dropout", "slip", "drift", "speed", "acceleration", "width"
 """Names for ``Config.varied``, whose values may be random in each episode."""
@@ -48,10 +49,7 @@ VARIABLE = "noise", "dropout", "slip", "drift", "speed", "acceleration", "width"
 SHARES = "dropout", "slip", "speed", "acceleration", "width"
 """Names of ``VARIABLE`` whose values are at most 1."""
 
-MEMORY = "memory"
-"""Name of the part of an observation with the values that the task's terms keep."""
-
-OBSERVABLE = RAYS, *EXTRAS, MEMORY
+OBSERVABLE = RAYS, *PARTS
 
 SENSOR = "sensor"
 """Key in the metadata of a field that describes the sensor. Evaluation copies these fields from the agent's
@@ -139,13 +137,7 @@ class Config:
     state."""
 
     observe: tuple[str, ...] = sensed((RAYS,))
-    """Parts of an observation. ``rays``: the sensor. ``bump``: 1 if the last move was blocked.
-    ``last_action``: one-hot vector of three numbers, all 0 at the start of an episode. ``odometry``:
-    estimated pose, metres forward and left of the start, cosine and sine of the turn. ``goal``: metres
-    forward and left from the body to the target. ``geodesic``: fewest actions to the target, -1 if no path
-    leads there. ``speed`` (backend ``free``): forward in m/s and turn to the left in rad/s; for bodies that
-    drive sideways, forward and left in m/s and the turn. ``memory``: the numbers that the task's terms
-    keep."""
+    """Parts of an observation: ``rays``, the sensor, and those in ``sim.parts``."""
 
     flat: bool = sensed(False)
     """True if an observation is one flat array, in the order of ``observe``."""
@@ -316,7 +308,8 @@ class Config:
 
     def numbers_of(self, name: str) -> int:
         """Return the number of values of a part other than rays."""
-        return {**EXTRAS, "speed": len(self.drive.low), MEMORY: self.memory}[name]
+        numbers = PARTS[name].numbers
+        return numbers if isinstance(numbers, int) else numbers(self)
 
     def extra(self, name: str) -> int:
         """Return the index of a part's first value among the values of all parts other than rays."""

@@ -26,6 +26,9 @@ PAPER = (255, 255, 255)
 BODY, TRAIL, RAY = (31, 94, 168), (31, 94, 168), (110, 130, 155)
 TARGET, TARGET_EDGE, TARGET_RAY = (245, 178, 45), (183, 118, 8), (224, 122, 20)
 
+THING, THIN = (122, 84, 44), 0.02
+"""Colour of what lies over a house, and how much wider than its box it is drawn on each side, in metres."""
+
 SHARP = DENSITY
 """Factor by which everything is drawn larger before it is reduced, so that lines are smooth."""
 
@@ -63,6 +66,8 @@ class Scene:
     """The task in words, with the house's names of rooms and furniture."""
     others: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
     """Centres of the other targets, (n, 2), metres."""
+    over: np.ndarray = field(default_factory=lambda: np.zeros((0, 4)))
+    """Boxes of what lies over the house, such as closed doors, (n, 4): west, north, east, south."""
 
 
 class Camera:
@@ -107,6 +112,10 @@ def picture(scene: Scene, trail: Sequence[tuple[float, float]], background: Imag
     for target in (*scene.others, scene.target):
         corners = view.box(*(target - half), *(target + half))
         draw.rounded_rectangle(corners, view.px(0.05), TARGET, TARGET_EDGE, view.px(0.025))
+
+    for west, north, east, south in scene.over:
+        thing = view.box(west - THIN, north - THIN, east + THIN, south + THIN)
+        draw.rectangle(thing, THING)
 
     points = [view.at(x, y) for x, y in trail]
     recent = len(points)

@@ -13,7 +13,7 @@ import io
 import os
 import textwrap
 from collections.abc import Callable
-from types import CodeType
+from types import CodeType, FunctionType
 from typing import TYPE_CHECKING, Any
 
 from vitruvius.logic.errors import RequestError
@@ -66,15 +66,32 @@ def _source(function: Any) -> tuple[list[str], int]:
 compiler.read_sources_by(_source)
 
 
+def _seeing(function: Any, names: dict[str, Any]) -> Any:
+    """Return the function, or a copy that also finds names which its module lacks."""
+    if all(name in function.__globals__ for name in names):
+        return function
+    copy = FunctionType(
+        function.__code__, function.__globals__ | names, function.__name__, None, function.__closure__
+    )
+    copy.__annotations__, copy.__doc__ = function.__annotations__, function.__doc__
+    copy.__qualname__, copy.__module__ = function.__qualname__, function.__module__
+    return copy
+
+
 def kernel(function: Callable[..., None]) -> Any:
     """Compile a kernel whose parameters may be records of arrays.
 
-    A record is a ``NamedTuple`` of the kernel's module, with fields annotated like a kernel's arguments.
-    Compilers pass arrays one by one, so each field becomes an argument with the field's name. The kernel must
-    not assign to these names. The record itself is available under the parameter's own name.
+    A record is a ``NamedTuple`` with fields annotated like a kernel's arguments. Compilers pass arrays one by
+    one, so each field becomes an argument with the field's name. The kernel must not assign to these names.
+    The record itself is available under the parameter's own name.
     """
     records = {name: kind for name, kind in function.__annotations__.items() if hasattr(kind, "_fields")}
     if records:
+        types = {}
+        for name, kind in records.items():
+            known = function.__globals__.get(kind.__name__) is kind
+            types[name] = kind.__name__ if known else f"_{name}_arrays"
+        function = _seeing(function, {types[name]: kind for name, kind in records.items()})
         arguments = {}
         for name, kind in function.__annotations__.items():
             arguments |= kind.__annotations__ if name in records else {name: kind}
@@ -82,7 +99,7 @@ def kernel(function: Callable[..., None]) -> Any:
         tree = ast.parse(textwrap.dedent("".join(lines)))
         definition: Any = tree.body[0]
         definition.args.args = [ast.arg(name) for name in arguments]
-        made = [f"{name} = ti.static({each.__name__}{each._fields})" for name, each in records.items()]
+        made = [f"{name} = ti.static({types[name]}{each._fields})" for name, each in records.items()]
         definition.body[:0] = ast.parse("\n".join(made).replace("'", "")).body
         # Stored with the function: the same code can have other records if a function defines it twice.
         vars(function)["__source__"] = ast.unparse(tree).splitlines(keepends=True), first

@@ -16,7 +16,8 @@ from vitruvius.sim.config import Config
 from vitruvius.sim.environment.vector import HouseVectorEnv
 from vitruvius.sim.geometry import Geometry
 from vitruvius.sim.runtime import Array, Floats, Ints, Launch, Words, kernel, start, ti
-from vitruvius.sim.world.episodes import HOUSE, Episodes, WorldArrays, loaded
+from vitruvius.sim.world.arrays import HOUSE
+from vitruvius.sim.world.episodes import Episodes, loaded
 from vitruvius.sim.world.world import World
 
 FAR_OFF = 1e6
@@ -259,7 +260,7 @@ def _kernels(program: Any, episodes: Episodes) -> Any:
     sight = FreeLineOfSight(episodes) if episodes.config.drives else LineOfSight(episodes)
 
     @kernel
-    def look(world: WorldArrays, spots: Floats, starts: Ints, origins: Floats, seen: Words, counts: Ints):
+    def look(world: episodes.Arrays, spots: Floats, starts: Ints, origins: Floats, seen: Words, counts: Ints):
         """Record the spots that each environment sees, and count the seen spots."""
         for e in range(world.reals.shape[0]):
             state, words = loaded(world, e), seen.shape[0] // world.reals.shape[0]

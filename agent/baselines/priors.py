@@ -11,7 +11,7 @@ import numpy as np
 from vitruvius.agent.baselines.coverage import WORD, origins_of
 from vitruvius.sim.tasks.places import Region, free_floor
 from vitruvius.sim.tasks.survey import Survey
-from vitruvius.sim.world.episodes import FOUND, HOUSE, NUMBER, WHOLES
+from vitruvius.sim.world.arrays import FOUND, HOUSE, NUMBER
 from vitruvius.sim.world.world import World
 
 DRAWS = 8192
@@ -77,7 +77,7 @@ class Weighted(Uniform):
     def weigh(self, weights: np.ndarray) -> None:
         """Write the weights of environments with a new target."""
         wholes, rows = self.world.arrays["wholes"].view(), weights.reshape(self.world.num_envs, -1)
-        now = wholes.reshape(-1, WHOLES)[:, [NUMBER, FOUND]]
+        now = wholes[:, [NUMBER, FOUND]]
         for e in np.flatnonzero((now != self.noted).any(axis=1)):
             house, again = int(wholes[e, HOUSE]), now[e, 0] == self.noted[e, 0]
             shares = self.believed(int(e), house, again=bool(again))

@@ -19,7 +19,7 @@ from vitruvius.agent.baselines.view_planner import LINES, PLACE, REPLAN, Searche
 from vitruvius.sim.environment.vector import HouseVectorEnv
 from vitruvius.sim.runtime import Array, Launch, Longs, kernel, start, ti
 from vitruvius.sim.tasks.survey import survey
-from vitruvius.sim.world.episodes import Episodes, WorldArrays, loaded
+from vitruvius.sim.world.episodes import Episodes, loaded
 from vitruvius.sim.world.world import World
 
 VIEWS, SAMPLES = 0.57, 0.29
@@ -86,7 +86,7 @@ def _kernels(program: Any, episodes: Episodes, pitch: int) -> dict[str, Any]:
     planner = ViewPlanner(LineOfSight(episodes), pitch)
 
     @kernel
-    def prepare(world: WorldArrays, search: SearcherArrays):
+    def prepare(world: episodes.Arrays, search: SearcherArrays):
         """Find the samples that each view of each house shows."""
         words = search.sampled.shape[0] // ti.min(ti.static(AT_ONCE), search.notes.shape[0])
         for view in range(search.shown.shape[0] // (8 * words)):
@@ -102,7 +102,7 @@ def _kernels(program: Any, episodes: Episodes, pitch: int) -> dict[str, Any]:
                     planner.show(world, search, house, corner, cell, 8 * view + heading, words)
 
     @kernel
-    def act(world: WorldArrays, search: SearcherArrays, answer: Longs):
+    def act(world: episodes.Arrays, search: SearcherArrays, answer: Longs):
         """Look, exclude what is seen, plan again at the end of a plan, and write the next action."""
         count = world.reals.shape[0]
         lanes = ti.min(ti.static(AT_ONCE), count)

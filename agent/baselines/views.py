@@ -17,7 +17,7 @@ from vitruvius.agent.baselines.view_planner import COLUMNS, LINES, VIEWPOINT_COS
 from vitruvius.sim.actions import HEADINGS
 from vitruvius.sim.environment.vector import HouseVectorEnv
 from vitruvius.sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti
-from vitruvius.sim.world.episodes import Episodes, WorldArrays, loaded
+from vitruvius.sim.world.episodes import Episodes, loaded
 
 FRAME = 3
 """Number of integers of a frame: see ``ViewValues.read``."""
@@ -73,7 +73,7 @@ def _kernels(program: Any, episodes: Episodes, pitch: int, side: int) -> tuple[A
     middle = side // 2 * side + side // 2
 
     @kernel
-    def watch(world: WorldArrays, search: SearcherArrays):
+    def watch(world: episodes.Arrays, search: SearcherArrays):
         """Look, and exclude what is seen."""
         for e in range(world.reals.shape[0]):
             search.notes[e] = planner.watched(world, search, e)
@@ -97,7 +97,12 @@ def _kernels(program: Any, episodes: Episodes, pitch: int, side: int) -> tuple[A
 
     @kernel
     def value(
-        world: WorldArrays, search: SearcherArrays, asked: Ints, frames: Ints, worth: Floats, costs: Floats
+        world: episodes.Arrays,
+        search: SearcherArrays,
+        asked: Ints,
+        frames: Ints,
+        worth: Floats,
+        costs: Floats,
     ):
         """Search for paths to all poses, and write the values that are asked for."""
         count = asked.shape[0]

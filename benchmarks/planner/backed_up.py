@@ -27,7 +27,7 @@ from vitruvius.agent.planner.core.frame import AXES
 from vitruvius.agent.policies.policies import Explorer
 from vitruvius.sim import HouseVectorEnv
 from vitruvius.sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti
-from vitruvius.sim.world.episodes import Episodes, WorldArrays, loaded
+from vitruvius.sim.world.episodes import Episodes, loaded
 
 FIRST = 12
 """Number of places whose best views are tried as the first one."""
@@ -141,7 +141,12 @@ def _kernel(program: Any, episodes: Episodes, pitch: int) -> Any:
 
     @kernel
     def ahead(
-        world: WorldArrays, search: SearcherArrays, asked: Ints, firsts: Ints, spent: Floats, values: Floats
+        world: episodes.Arrays,
+        search: SearcherArrays,
+        asked: Ints,
+        firsts: Ints,
+        spent: Floats,
+        values: Floats,
     ):
         """Write the values of first views, each with the views that follow."""
         count = asked.shape[0]

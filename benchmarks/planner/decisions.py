@@ -22,7 +22,7 @@ from vitruvius.agent.planner.planner import STATE
 from vitruvius.agent.policies.episodes import moments
 from vitruvius.agent.policies.policies import Explorer, Policy, Tracker
 from vitruvius.sim import HouseVectorEnv
-from vitruvius.sim.world.kernels import BLOCKED
+from vitruvius.sim.world.phases import BLOCKED
 
 MEMORY = tuple(name for name in STATE if name != "advice")
 """Arrays of planners that determine their next steps."""

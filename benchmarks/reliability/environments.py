@@ -22,7 +22,7 @@ from benchmarks.reliability.random_calls import COUNT, KINDS, WEIGHTS, Draw, ban
 from vitruvius.logic import House
 from vitruvius.logic.errors import HouseFileError
 from vitruvius.sim import HouseRotation, HouseVectorEnv
-from vitruvius.sim.world.episodes import SEED
+from vitruvius.sim.world.arrays import SEED
 
 REFUSALS = (ValueError, TypeError, Error, HouseFileError)
 """Errors that refuse a call."""

@@ -96,6 +96,8 @@ class Loop:
         tables, state = envs.tables(), envs.state
         bank = (tables[name] for name in ("numbers", "indices", "places"))
         self.arrays = [rays.table.to_numpy(), *bank, state["reals"], state["wholes"]]
+        if isinstance(backend, FreeMotion):
+            self.arrays.append(state["speeds"])
         self.observation = np.zeros((count, config.rays, 2), np.float32)
         self.reward, self.flags = np.zeros(count, np.float32), np.zeros((3, count), np.uint8)
         # Bound once, because ctypes takes 4 us for each array.

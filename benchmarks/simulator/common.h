@@ -8,11 +8,18 @@ enum { RAYS = 40, PLACE = 7, TRIES = 32 };
 
 typedef struct { float body, step, eye, range, target, cell, skin, overlap, margin, widest; int steps; } Config;
 typedef struct {
-    union { struct { int i, j, heading; }; struct { float v, w, angle; }; };  /* of a lattice, or of a body that drives */
     int house, time, found, over, episode;
     uint32_t seed[2];
+#ifndef DRIVES
+    int i, j, heading;
+#endif
 } Whole;
-typedef struct { float origin[2], target[2]; } Real;
+typedef struct {
+    float origin[2], target[2];
+#ifdef DRIVES
+    float angle;
+#endif
+} Real;
 
 static inline uint32_t bits(float x) { uint32_t b; memcpy(&b, &x, 4); return b; }
 

@@ -2,6 +2,7 @@
 
    The same algorithm and the same results: free backend, default configuration, autoreset by the next step. See
    sim/backends/free/; names are its. One thread. */
+#define DRIVES
 #include "common.h"
 
 enum { SECTORS = 8, HEADER = 9, LISTS = 1 + 3 * SECTORS, ENDS = LISTS / 2 + 1, ROW = 6, CONTACTS = 4 };
@@ -47,7 +48,7 @@ static int overlaps(const Config *c, const float origin[2], const float target[2
     return x * x + y * y < reach * reach;
 }
 
-static void begin(const Config *c, const int *places, Whole *w, Real *r) {
+static void begin(const Config *c, const int *places, Whole *w, Real *r, float *s) {
     uint32_t words[4];
     w->episode++;
     philox(w->seed, w->episode, 0, 0, words);
@@ -60,8 +61,8 @@ static void begin(const Config *c, const int *places, Whole *w, Real *r) {
         int place = places[places[at + 2] + below(words[0], places[at + 3])];
         r->origin[0] = real_of(places, at) + (place & 0xFFFF) * c->step;
         r->origin[1] = real_of(places, at + 1) + (place >> 16) * c->step;
-        w->v = w->w = 0.0f;
-        w->angle = (float)(words[1] >> 8) * (float)(6.283185307179586 / 16777216.0);
+        s[0] = s[1] = 0.0f;
+        r->angle = (float)(words[1] >> 8) * (float)(6.283185307179586 / 16777216.0);
         if (!overlaps(c, r->origin, r->target)) break;
     }
 }
@@ -156,12 +157,12 @@ static void slide(const Config *c, const Drive *d, const float *numbers, const i
 }
 
 static int drive(const Config *c, const Drive *d, const float *numbers, const int *indices, Whole *w, Real *r,
-                 const float action[2]) {
-    float speeds[2] = {w->v, w->w}, cosine, sine, unused, bent, moved[2];
+                 float *s, const float action[2]) {
+    float speeds[2] = {s[0], s[1]}, cosine, sine, unused, bent, moved[2];
     for (int k = 0; k < 2; k++)
         speeds[k] += between(-d->changes[k], d->changes[k], between(d->low[k], d->high[k], action[k]) - speeds[k]);
     float half = (float)(0.5 * (double)0.1) * speeds[1];
-    cosine_sine(w->angle + half, &cosine, &sine);
+    cosine_sine(r->angle + half, &cosine, &sine);
     cosine_sine(half, &unused, &bent);
     float chord = fabsf(half) < 1e-2f ? 1.0f - half * half / 6.0f : bent / half;
     float length = d->step * speeds[0] * chord, way[2] = {length * cosine, length * -sine};
@@ -170,8 +171,8 @@ static int drive(const Config *c, const Drive *d, const float *numbers, const in
     int blocked = off[0] * off[0] + off[1] * off[1] > (float)((double)1e-5 * 1e-5);
     if (blocked) speeds[0] *= between(0.0f, 1.0f, (moved[0] * cosine + moved[1] * -sine) / length);
     r->origin[0] += moved[0], r->origin[1] += moved[1];
-    w->v = speeds[0], w->w = speeds[1];
-    w->angle = wrapped(w->angle + 2.0f * half);
+    s[0] = speeds[0], s[1] = speeds[1];
+    r->angle = wrapped(r->angle + 2.0f * half);
     return blocked;
 }
 
@@ -188,7 +189,7 @@ static void look(const Config *c, const float *table, const float *numbers, cons
     float ex = r->origin[0], ey = r->origin[1], cosine, sine;
     float east[RAYS], south[RAYS], over_x[RAYS], slope_x[RAYS], over_y[RAYS], slope_y[RAYS];
     uint32_t nearest[RAYS];
-    cosine_sine(w->angle, &cosine, &sine);
+    cosine_sine(r->angle, &cosine, &sine);
     for (int k = 0; k < RAYS; k++) {
         east[k] = cosine * table[k] - sine * table[RAYS + k];
         south[k] = -(sine * table[k] + cosine * table[RAYS + k]);
@@ -197,7 +198,7 @@ static void look(const Config *c, const float *table, const float *numbers, cons
     cross(east, south, over_x, slope_x);
     cross(south, east, over_y, slope_y);
     const uint16_t *ends = (const uint16_t *)block_of(c, numbers, indices, w->house, r->origin), *list = ends + 2 * ENDS;
-    const uint16_t *row = ends + 1 + 3 * ((int)floorf(w->angle * 1.2732395447351628f + 0.5f) % SECTORS);
+    const uint16_t *row = ends + 1 + 3 * ((int)floorf(r->angle * 1.2732395447351628f + 0.5f) % SECTORS);
     const float *lines = numbers + indices[w->house * HEADER + FIRST_LINE];
     for (int k = row[0]; k < row[1]; k++) {
         const float *l = lines + ROW * list[k];
@@ -222,15 +223,16 @@ static void look(const Config *c, const float *table, const float *numbers, cons
 }
 
 void step(const Config *c, const Drive *d, const float *table, const float *numbers, const int *indices, const int *places,
-          Real *reals, Whole *wholes, const float *action, float *observation, float *reward, uint8_t *flags, int count) {
+          Real *reals, Whole *wholes, float *speeds, const float *action, float *observation, float *reward, uint8_t *flags, int count) {
     for (int e = 0; e < count; e++) {
         Whole *w = wholes + e;
         Real *r = reals + e;
+        float *s = speeds + 2 * e;
         int picked = 0, truncated = 0, hit = 0;
         if (w->over) {
-            begin(c, places, w, r);
+            begin(c, places, w, r, s);
         } else {
-            hit = drive(c, d, numbers, indices, w, r, action + 2 * e);
+            hit = drive(c, d, numbers, indices, w, r, s, action + 2 * e);
             picked = overlaps(c, r->origin, r->target);
             w->time++;
             w->over = truncated = w->time >= c->steps;

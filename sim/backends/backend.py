@@ -75,10 +75,10 @@ class Backend(Protocol):
     ``stands``, ``move``, ``see`` and ``prefetch`` are ``ti.func``s. Their arguments are a bank's ``numbers``
     and ``indices``, and the number of a house in the bank.
 
-    If bodies move continuously (``Config.drives``), there is also ``drive``. It has the arguments of
-    ``move``, but an action of 64 bits: a number, or v and w as float32. It returns an origin, a cell and
-    ``blocked``. Then ``move`` and ``stands`` are called only for places of lattices, and the backend defines
-    the meaning of an origin and a cell while a body drives.
+    If bodies move continuously (``Config.drives``), an origin is the place of the body, and its heading in
+    radians has the place of ``cell``. Then there is also ``drive(numbers, indices, house, origin, heading,
+    speeds, action, shares)``, whose action is a number or the speeds of a command. It returns origin,
+    heading, speeds and ``blocked``. ``move`` and ``stands`` are called only for places of lattices.
     """
 
     config: Config
@@ -107,7 +107,10 @@ class Backend(Protocol):
         ...
 
     def place(self, bank: Bank, house: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return poses (E, 3) (x, y, heading in radians) as origins (E, 2) float32 and cells (E, 3) int32."""
+        """Return poses (E, 3) (x, y, heading in radians) as origins (E, 2) float32 and cells (E, 3) int32.
+
+        For bodies that drive, the cells are headings (E,) float32 in radians.
+        """
         ...
 
     def stands(self, numbers: Any, indices: Any, house: Any, origin: Any, cell: Any) -> Any:

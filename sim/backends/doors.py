@@ -1,16 +1,17 @@
 """Doors that are closed when an episode begins, and that a body opens by walking against them.
 
 Doors are independent of the backend, in whose houses all doorways are open. A closed door is a segment across
-its doorway that blocks bodies and rays. So every backend supports doors without any code for them.
-
-    doorways  rows of a house | for each house its doors: west, north, east, south, metres; NaN for none
-    pushes    for each environment the number of steps that a body has pushed each door of its house
+its doorway that blocks bodies and rays. So every backend supports doors without any code for them. Doors are
+an overlay: see ``sim.backends.overlay``.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import ClassVar
 
 import numpy as np
 
+from vitruvius.sim.actions import FORWARD
+from vitruvius.sim.arrays import ArrayRow
 from vitruvius.sim.backends.backend import DOOR, TARGET
 from vitruvius.sim.backends.body import Body, slides_into
 from vitruvius.sim.backends.rays import MARGIN, OVERLAP, Rays, overlap
@@ -34,24 +35,88 @@ def doorways(shapes: Sequence[Geometry]) -> np.ndarray:
     return np.concatenate([[most], rows.ravel()]).astype(np.float32)
 
 
-def door_arrays(config: Config, shapes: Sequence[Geometry], num_envs: int) -> dict[str, Array]:
-    """Return a world's arrays of doors; without closed doors, kernels do not read these arrays."""
-    rows = doorways(shapes) if config.closed_doors else np.ones(1, np.float32)
-    return {"doorways": Array.of(rows), "pushes": Array(ti.u8, num_envs * int(rows[0]))}
-
-
 @ti.data_oriented
 class Doors:
-    """Doors for the poses and rays of a configuration.
+    """Doors for the poses and rays of a configuration: an ``Overlay``.
 
-    A door is its number in its house. ``doors`` is a record of kernels' arrays that has ``doorways`` and
-    ``pushes``.
+    A door is its number in its house. ``doors`` is a record of kernels' arrays that has ``ROWS``.
     """
+
+    ROWS: ClassVar[tuple[ArrayRow, ...]] = (
+        ArrayRow(
+            "doorways", ti.f32, ("n",), unit="m",
+            meaning="largest number of doors of a house, at least 1; for each house so many doors (west, "
+            "north, east, south), NaN for none",
+            written="packing", read="doors",
+        ),
+        ArrayRow(
+            "pushes", ti.u8, ("n",), unit="steps",
+            meaning="steps for which the body has pushed each door of its house, by environment",
+            written="reset, step", read="doors", saved=True,
+        ),
+    )  # fmt: skip
+
+    KIND: ClassVar[int] = DOOR
+    COLUMN: ClassVar[str] = "is door"
 
     def __init__(self, config: Config, body: Body, lanes: int) -> None:
         """Prepare to cast ``lanes`` rays at a time."""
         self.body, self.steps = body, config.closed_doors
         self.rays = Rays(config, lanes)
+
+    @staticmethod
+    def asked(config: Config) -> bool:
+        """Return True if doors are closed at first: see ``Overlay``."""
+        return config.closed_doors > 0
+
+    @staticmethod
+    def check(knows_distance: bool) -> None:
+        """Raise ``ValueError`` for distances, which are of open doors: see ``Overlay``."""
+        if knows_distance:
+            raise ValueError(
+                "the distance to the target needs open doors: for closed doors use vitruvius.sim.Oracle"
+            )
+
+    @staticmethod
+    def arrays(shapes: Sequence[Geometry], num_envs: int) -> dict[str, Array]:
+        """Return the arrays of doors: see ``Overlay``."""
+        rows = doorways(shapes)
+        return {"doorways": Array.of(rows), "pushes": Array(ti.u8, num_envs * int(rows[0]))}
+
+    @ti.func
+    def begin(self, world: ti.template(), e, state):
+        """Close all doors except those that the body is in: see ``Overlay``."""
+        for door in range(self.count(world)):  # pyright: ignore[reportArgumentType]
+            inside = self.meets(world, state.house, door, state.origin, state.cell, state.cell)
+            steps = ti.select(inside, ti.static(self.steps), 0)
+            world.pushes[e * self.count(world) + door] = ti.cast(steps, ti.u8)
+
+    @ti.func
+    def cut(self, world: ti.template(), e, state, action, moved, blocked):
+        """Return the move, ``blocked`` if a closed door is in the way, and that door: see ``Overlay``."""
+        door = -1
+        if action == FORWARD:
+            door = self.ahead(world, e, state.house, state.origin, state.cell)
+            blocked |= ti.cast(door >= 0, ti.i32)
+        return moved, blocked, door
+
+    @ti.func
+    def advance(self, world: ti.template(), e, state, met):
+        """Push a closed met for one step: see ``Overlay``."""
+        if met >= 0:
+            at = e * self.count(world) + met
+            world.pushes[at] = ti.cast(ti.cast(world.pushes[at], ti.i32) + 1, ti.u8)
+
+    @staticmethod
+    def drawn(
+        config: Config, arrays: Mapping[str, np.ndarray], shapes: Sequence[Geometry], house: np.ndarray
+    ) -> list[np.ndarray]:
+        """Return the closed doors: see ``Overlay``."""
+        boxes = []
+        for k, is_open in zip(house, open_doors(config, arrays, shapes, house), strict=True):
+            middle, half = shapes[k].doors[:, :2], shapes[k].doors[:, 2:]
+            boxes.append(np.hstack([middle - half, middle + half])[~is_open])
+        return boxes
 
     @ti.func
     def count(self, doors: ti.template()):
@@ -110,34 +175,18 @@ class Doors:
         return found
 
     @ti.func
-    def push(self, doors: ti.template(), e, door):
-        """Push a closed door for one step."""
-        at = e * self.count(doors) + door
-        doors.pushes[at] = ti.cast(ti.cast(doors.pushes[at], ti.i32) + 1, ti.u8)
-
-    @ti.func
-    def close(self, doors: ti.template(), e, house, origin, cell):
-        """Close all doors except those that the body is in."""
-        for door in range(self.count(doors)):  # pyright: ignore[reportArgumentType]
-            inside = self.meets(doors, house, door, origin, cell, cell)
-            steps = ti.select(inside, ti.static(self.steps), 0)
-            doors.pushes[e * self.count(doors) + door] = ti.cast(steps, ti.u8)
-
-    @ti.func
-    def hide(
-        self, doors: ti.template(), e, house, origin, cell, ray, distance: ti.template(), kind: ti.template()
-    ):
-        """Shorten the rays, from number ``ray`` on, that end behind closed doors.
+    def hide(self, world: ti.template(), e, state, ray, distance: ti.template(), kind: ti.template()):
+        """Shorten the rays, from number ``ray`` on, that end behind closed doors: see ``Overlay``.
 
         Of hits at the same distance, walls and furniture come before a door, and a door before the target.
         """
-        eye, first = self.body.eye(origin, cell), self.rays.first(cell[2], ray)
+        eye, first = self.body.eye(state.origin, state.cell), self.rays.first(state.cell[2], ray)
         over, slope = self.rays.floats(0.0), self.rays.floats(0.0)
         for axis in ti.static(range(2)):
             self.rays.across(first, axis, over, slope)
-            for door in range(self.count(doors)):  # pyright: ignore[reportArgumentType]
-                line = self.segment(doors, house, door)
-                if self.left(doors, e, door) > 0 and line[axis] == line[axis + 2]:
+            for door in range(self.count(world)):  # pyright: ignore[reportArgumentType]
+                line = self.segment(world, state.house, door)
+                if self.left(world, e, door) > 0 and line[axis] == line[axis + 2]:
                     low, high = line[1 - axis], line[3 - axis]
                     ahead, aside = line[axis] - eye[axis], 0.5 * (low + high) - eye[1 - axis]
                     half = 0.5 * (high - low) + ti.static(OVERLAP)
@@ -147,3 +196,17 @@ class Doors:
                         hit = (ti.abs(ahead * slope[r] - aside) <= half) & (far >= 0) & nearer
                         distance[r] = ti.select(hit, far, distance[r])
                         kind[r] = ti.select(hit, ti.u32(ti.static(DOOR)), kind[r])
+
+
+def open_doors(
+    config: Config, arrays: Mapping[str, np.ndarray], shapes: Sequence[Geometry], house: np.ndarray
+) -> list[np.ndarray]:
+    """Return a mask (D,) bool of the open doors of each environment, in the order of ``Geometry.doors``.
+
+    ``arrays``: copies of the arrays of a world. Without closed doors, all are open.
+    """
+    counts = [len(shapes[k].doors) for k in house]
+    if not Doors.asked(config):
+        return [np.ones(count, bool) for count in counts]
+    pushes = arrays["pushes"].reshape(len(house), -1)
+    return [row[:count] >= config.closed_doors for row, count in zip(pushes, counts, strict=True)]

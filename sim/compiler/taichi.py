@@ -1,16 +1,13 @@
 """Interface to Taichi for ``sim.tracing`` and ``sim.runtime``.
 
-This is the only module that imports Taichi. Both compilers have these names: ``ti``, ``core`` and ``impl``
+Only this module and ``patches`` import Taichi. Both compilers have these names: ``ti``, ``core`` and ``impl``
 are modules of the compiler, and ``NAME`` is its name. ``LOCK`` is the file in its cache folder that a process
 holds while it writes there. ``Compiled`` is a kernel.
 """
 
-import inspect
 import os
-import textwrap
 from collections.abc import Callable, Sequence
-from functools import cache, partial
-from types import SimpleNamespace
+from functools import partial
 from typing import Any
 
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
@@ -24,54 +21,20 @@ os.environ["TI_SKIP_VERSION_CHECK"] = "ON"
 import taichi as ti
 from taichi._lib import core
 from taichi.graph._graph import gen_cpp_kernel
-from taichi.lang import _ndarray, impl, kernel_impl, matrix
-from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext
+from taichi.lang import impl
+
+from vitruvius.sim.compiler.patches import patch, read_sources_by
 
 __all__ = ["LOCK", "NAME", "Compiled", "core", "impl", "program", "read_sources_by", "ti"]
 
 NAME, LOCK = "Taichi", "ticache.lock"
 
-
-def _once(describe: Callable[[Any, Any], str]) -> Any:
-    """Return a cached version of ``describe``.
-
-    For error messages, Taichi formats the source of every expression each time it inlines it. That is half of
-    the tracing time; once is enough.
-    """
-    known: dict[tuple[Any, ...], str] = {}
-
-    def describe_once(context: Any, node: Any) -> str:
-        place = node.lineno, node.col_offset, node.end_lineno, node.end_col_offset
-        key = context.file, context.lineno_offset, context.func.func.__name__, *place
-        if key not in known:
-            known[key] = describe(context, node)
-        return known[key]
-
-    return describe_once
-
-
-ASTTransformerContext.get_pos_info = _once(ASTTransformerContext.get_pos_info)
-# Taichi wraps each line of a function, and looks up its file, each time it inlines the function: a fifth of
-# the tracing time.
-kernel_impl.textwrap = SimpleNamespace(fill=cache(textwrap.fill), dedent=cache(textwrap.dedent))
-_file_of = cache(inspect.getsourcefile)
-kernel_impl.getsourcefile = lambda function: _file_of(function.__code__)
-# Taichi formats the whole stack for each array that it creates, in case that fails. That takes longer than
-# the creation.
-_ndarray.get_traceback = matrix.get_traceback = lambda: ""
+patch()
 
 
 def program() -> Any:
     """Return the program that runs in this process, or ``None``."""
     return impl.get_runtime().prog
-
-
-def read_sources_by(lines_of: Callable[[Any], tuple[list[str], int]]) -> None:
-    """Let Taichi read source code with ``lines_of``.
-
-    ``lines_of`` returns a function's lines, and the number of its first line.
-    """
-    kernel_impl.getsourcelines = lines_of
 
 
 class TaichiKernel:

@@ -99,7 +99,7 @@ def read_arguments(
     require_observed(config, make)
     if config.varies("speed", "acceleration") and not config.drives:
         raise ValueError("varied: bodies of this backend do not drive: speed and acceleration need free")
-    if config.varies("width") and not (hasattr(make, "move_with") or hasattr(make, "drive_with")):
+    if config.varies("width") and not (hasattr(make, "move_with") or hasattr(make, "drive")):
         raise ValueError("varied: bodies of this backend have a fixed width: use continuous or free")
     if config.drives and terms_of(wanted).asks_distance:
         raise ValueError(f"backend {backend!r} has no distance to the target, which the task's terms ask for")

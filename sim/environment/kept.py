@@ -8,9 +8,8 @@ import numpy as np
 from vitruvius.sim.actions import HEADINGS
 from vitruvius.sim.config import Config
 from vitruvius.sim.geometry import Geometry
-from vitruvius.sim.world.episodes import HOUSE
-from vitruvius.sim.world.kernels import SAMPLE
-from vitruvius.sim.world.world import GUIDE
+from vitruvius.sim.world.arrays import COUNTERS, HEADING, HOUSE
+from vitruvius.sim.world.phases import SAMPLE
 
 SPACES = "observation_space", "action_space", "single_observation_space", "single_action_space"
 
@@ -35,15 +34,14 @@ def require_state(
     if {name: (array.dtype.str, array.shape) for name, array in given.items()} != kinds:
         raise ValueError(f"a state of other kinds or shapes: here they are {kinds}")
     reals, wholes = given["reals"].astype(np.float64), given["wholes"]
-    house, cells, place = wholes[:, HOUSE], wholes[:, :HOUSE], reals[:, :2]
+    house, place = wholes[:, HOUSE], reals[:, :2]
     if strange := house[(house < 0) | (house >= len(geometries))].tolist():
         raise ValueError(f"a state of another bank: a body is in house {strange[0]} of {len(geometries)}")
     if config.drives:
-        if config.drive.sideways:  # speeds are whole numbers
-            cells = cells[:, 2:]
-        if not np.isfinite(np.ascontiguousarray(cells).view(np.float32)).all():
+        if not (np.isfinite(given["speeds"]).all() and np.isfinite(reals[:, HEADING]).all()):
             raise ValueError("a state of no house: a speed or a heading is no finite number")
     else:
+        cells = wholes[:, COUNTERS:]
         place = place + config.step * cells[:, :2]  # cells are relative to the start: some are negative
         headings = np.concatenate([given.get("past_cells", cells)[:, 2], cells[:, 2]])
         if not ((headings >= 0) & (headings < len(HEADINGS))).all():
@@ -52,8 +50,8 @@ def require_state(
         raise ValueError("a state of no house: a body is outside its house, or a target is nowhere")
     if not np.isfinite(given.get("others", reals)).all():
         raise ValueError("a state of no house: a target is nowhere")
-    if GUIDE[0] in given:
-        _require_guide(given[GUIDE[0]], given[GUIDE[1]].astype(np.float64), geometries, config)
+    if "next_wholes" in given:
+        _require_guide(given["next_wholes"], given["next_reals"].astype(np.float64), geometries, config)
 
 
 def _inside(house: np.ndarray, place: np.ndarray, geometries: Sequence[Geometry]) -> bool:
@@ -69,8 +67,8 @@ def _require_guide(
     """Raise ``ValueError`` for options of next episodes that ``set_next`` would refuse."""
     house, given = wholes[:, 0], ~np.isnan(reals[:, 0])
     cells, place = wholes[given, 1:], reals[given, :2]
-    if config.drives:  # at rest
-        turned = np.isfinite(np.ascontiguousarray(cells[:, 2]).view(np.float32)) & ~cells[:, :2].any(axis=1)
+    if config.drives:
+        turned = np.isfinite(reals[given, HEADING])
     else:
         place, turned = place + config.step * cells[:, :2], cells[:, 2] // len(HEADINGS) == 0
     known = (house >= given + SAMPLE) & (house < len(geometries))
@@ -91,8 +89,8 @@ def remade(
     envs = kind(**arguments)
     envs.__dict__.update(kept)
     if state is not None:
-        if GUIDE[0] in state:
-            envs.world.guide(*(state[name] for name in GUIDE))
+        if "next_wholes" in state:
+            envs.world.guide(state["next_wholes"], state["next_reals"])
         envs.state = state
     if closed:
         envs.close()

@@ -8,8 +8,9 @@ from gymnasium import spaces
 
 from vitruvius.logic.spelling import unknown
 from vitruvius.sim.actions import ACTIONS
-from vitruvius.sim.config import EXTRAS, MEMORY, RAYS, Config
+from vitruvius.sim.config import EXTRAS, RAYS, Config
 from vitruvius.sim.drive import Drive
+from vitruvius.sim.parts import MEMORY, PARTS
 
 
 def single_spaces(config: Config) -> tuple[spaces.Space[Any], spaces.Space[Any]]:
@@ -37,15 +38,12 @@ def _commands(drive: Drive) -> spaces.Space[Any]:
 
 ENDS = "low", "high"
 
-BOUNDS = {"bump": (0, 1), "last_action": (0, 1), "geodesic": (-1, np.inf)}
-"""Bounds of the numbers of a part; other parts have none."""
-
 
 def _box(config: Config, name: str) -> spaces.Box:
     """Return the space of one part."""
     if name != RAYS:
-        low, high = BOUNDS.get(name, (-np.inf, np.inf))
-        return spaces.Box(low, high, (config.numbers_of(name),), np.float32)
+        part = PARTS[name]
+        return spaces.Box(part.low, part.high, (config.numbers_of(name),), np.float32)
     shape = (config.rays, config.channels)
     # An angle of 359.5 degrees would be more than 1 in units of 359: the original's unit is kept.
     high = np.ones(shape, np.float32)

@@ -8,7 +8,8 @@ import numpy as np
 from gymnasium.error import Error, ResetNeeded
 
 from vitruvius.logic.spelling import unknown
-from vitruvius.sim.world.kernels import KEEP, SAMPLE
+from vitruvius.sim.world.arrays import HEADING
+from vitruvius.sim.world.phases import KEEP, SAMPLE
 from vitruvius.sim.world.world import World
 
 SHAPES = {"house": (), "pose": (3,), "target": (2,), "reset_mask": ()}
@@ -30,10 +31,11 @@ class ResetOptions:
     mask: np.ndarray
     """(E,) bool: True for the environments that begin an episode."""
     wholes: np.ndarray
-    """(E, 4) int32: house, or ``SAMPLE``, or ``KEEP`` outside the mask; then the cell of the start."""
+    """(E, 4) int32: house, or ``SAMPLE``, or ``KEEP`` outside the mask; on a lattice then the cell of the
+    start."""
     reals: np.ndarray
     """(E, 4) float32: origin of that cell and centre of the target, metres; NaN for values that are
-    sampled."""
+    sampled. For bodies that drive (E, 5): the place, the centre, and the heading in radians."""
 
 
 def for_one(options: Any) -> dict[str, Any]:
@@ -86,11 +88,15 @@ def read_options(options: Mapping[str, Any], world: World, first: bool) -> Reset
         if options.get("house") is None:
             raise ValueError("option pose: say in which houses, by option house")
         poses = _floats("pose", options["pose"], (count, 3))
-        reals[:, :2], wholes[:, 1:] = world.place(wholes[:, 0], poses)
+        reals[:, :2], cells = world.place(wholes[:, 0], poses)
+        if world.config.drives:
+            reals[:, HEADING] = cells
+        else:
+            wholes[:, 1:] = cells
     if options.get("target") is not None:
         targets = _floats("target", options["target"], (count, 2))
         _require_near(targets[mask], wholes[mask, 0], world)
-        reals[:, 2:] = targets
+        reals[:, 2:4] = targets
     wholes[~mask, 0] = KEEP
     return ResetOptions(mask, wholes, reals)
 

@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 
 from vitruvius.sim.environment.observed import observed
-from vitruvius.sim.world.episodes import HOUSE
-from vitruvius.sim.world.kernels import BLOCKED, FINAL_BLOCKED, SAME_STEP, TERMINATED, TRUNCATED
+from vitruvius.sim.world.arrays import HOUSE, SAME_STEP
+from vitruvius.sim.world.phases import BLOCKED, FINAL_BLOCKED, TERMINATED, TRUNCATED
 from vitruvius.sim.world.world import World
 
 
@@ -67,7 +67,7 @@ class Outputs:
         info = {"pose": pose, "blocked": blocked, "house": house, "target": target}
         if self.world.config.geodesic:
             info["distance"] = self.world.arrays["last_distance" if last else "distance"].numpy()
-        if self.world.at_once > 1:
+        if self.world.kind.at_once > 1:
             others = self.world.arrays["last_others" if last else "others"].numpy()
             others = others.reshape(self.world.num_envs, -1, 2)
             info["targets"] = np.concatenate([target[:, None], others], axis=1)
@@ -99,13 +99,13 @@ class Outputs:
             info["distance"] = arrays["distance"].tensor(np.int32, (count,))
         if self.world.config.memory:
             info["memory"] = arrays["memory"].tensor(np.float32, (count, self.world.config.memory))
-        if self.world.mode == SAME_STEP:
+        if self.world.kind.mode == SAME_STEP:
             info["final_obs"] = self._tensor("final", "final_extras")
             info["final_info"] = {"blocked": flags[FINAL_BLOCKED]}
         observation = self._tensor("observation", "extras")
         reward, action = arrays["reward"].tensor(np.float32, (count,)), arrays["action"]
         outputs = observation, reward, flags[TERMINATED], flags[TRUNCATED], info
-        return action.view() if device == "cpu" else action.tensor(np.int64, (count,)), outputs
+        return action.view() if device == "cpu" else action.tensor(action.dtype, action.shape), outputs
 
     def _tensor(self, rays: str, extras: str) -> Any:
         """Return an observation as tensors in the world's memory.

@@ -7,8 +7,8 @@ import numpy as np
 
 from vitruvius.logic.errors import HouseFileError, RequestError
 from vitruvius.sim.environment.rotation import HouseRotation
-from vitruvius.sim.world.episodes import OVER
-from vitruvius.sim.world.kernels import TERMINATED, TRUNCATED
+from vitruvius.sim.world.arrays import OVER
+from vitruvius.sim.world.phases import TERMINATED, TRUNCATED
 from vitruvius.sim.world.world import PackedHouses, World
 
 _going_on = WeakSet["Passing"]()

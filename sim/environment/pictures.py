@@ -62,5 +62,6 @@ def scene_of(outputs: Outputs, index: int) -> "Scene":
         step=state["time"],
         found=state["found"] - 1,
         task=in_words(world.task, looks_of(house).name),
-        others=info["targets"][index, 1:] if world.at_once > 1 else np.zeros((0, 2)),
+        over=world.drawn(index),
+        others=info["targets"][index, 1:] if world.kind.at_once > 1 else np.zeros((0, 2)),
     )

@@ -6,15 +6,8 @@ import numpy as np
 from gymnasium import spaces
 from gymnasium.error import ResetNeeded
 
-from vitruvius.sim.backends.free.body import FIELD
 from vitruvius.sim.drive import Drive
-from vitruvius.sim.world.kernels import TERMINATED, TRUNCATED
-
-MASK = (1 << FIELD) - 1
-"""Bits of one of three speeds."""
-
-SHIFTS = 1 << FIELD * np.arange(3)
-"""Position of each of the three speeds in 64 bits."""
+from vitruvius.sim.world.phases import TERMINATED, TRUNCATED
 
 
 def orders(space: spaces.Space[Any], drive: Drive) -> "Choices | Commands":
@@ -63,8 +56,8 @@ class Choices:
         if least < 0 or greatest > self.last:
             raise ValueError(f"actions go from 0 to {self.last}, found {least} to {greatest}")
 
-    def packed(self, actions: Any) -> Any:
-        """Return actions for kernels: 64 bits each."""
+    def given(self, actions: Any) -> Any:
+        """Return actions (E,) for kernels."""
         return actions
 
 
@@ -129,26 +122,24 @@ class Commands:
             self._tensors = [actions.new_tensor(ends.tolist()) for ends in (self.low, self.high)]
         return self._tensors
 
-    def packed(self, actions: Any) -> Any:
-        """Return actions for kernels, in 64 bits: two numbers, or three as parts of the largest.
+    def given(self, actions: Any) -> Any:
+        """Return actions (E, n) float32 for kernels, which clip them.
 
-        Kernels clip them.
+        Three speeds are whole multiples of ``Drive.part``, as those of bodies that drive sideways.
         """
+        if self.size == 2:
+            return actions
         if isinstance(actions, np.ndarray):
-            if self.size == 2:
-                return actions.view(np.int64)[:, 0]
-            parts = np.rint(np.clip(actions, self.low, self.high) / np.array(self.drive.part))
-            return (parts.astype(np.int64) & MASK) @ SHIFTS
+            part = np.array(self.drive.part)
+            parts = np.rint(np.clip(actions, self.low, self.high) / part) + 0.0  # no negative zero
+            return parts.astype(np.float32) * part.astype(np.float32)
         import torch
 
-        if self.size == 2:
-            return actions.view(torch.int64)[:, 0]
         low, high, part = (
             torch.tensor(each, dtype=torch.float64, device=actions.device)
             for each in (self.drive.low, self.drive.high, self.drive.part)
         )
-        parts = (actions.clamp(low, high) / part).round().long() & MASK
-        return (parts * torch.from_numpy(SHIFTS).to(parts.device)).sum(1)
+        return ((actions.clamp(low, high) / part).round() + 0.0).float() * part.float()
 
 
 def require_going_on(flags: np.ndarray) -> None:

@@ -36,7 +36,8 @@ from vitruvius.sim.environment.window import ScreenWindow
 from vitruvius.sim.geometry import Geometry
 from vitruvius.sim.runtime import start
 from vitruvius.sim.tasks.tasks import Targets
-from vitruvius.sim.world.kernels import DISABLED, NEXT_STEP, SAME_STEP, TERMINATED, TRUNCATED
+from vitruvius.sim.world.arrays import DISABLED, NEXT_STEP, SAME_STEP
+from vitruvius.sim.world.phases import TERMINATED, TRUNCATED
 from vitruvius.sim.world.world import TABLES, World
 
 if TYPE_CHECKING:
@@ -80,20 +81,9 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
     ``Config.kinds`` adds columns before the distance, one for each kind: 1 if the ray ends on such furniture.
     Ray i points 58.5 - 3 i degrees counter-clockwise from the heading; in the ``paper`` preset, 60 - 3 i
     degrees. That preset's first column is the ray's absolute angle, in units of 359 degrees.
-    ``Config.observe`` can add other parts. The space is then a ``Dict`` of the parts, in the order of
-    ``observe``, or with ``Config.flat`` a ``Box`` (n,) of all their numbers:
-
-    | part | space | unit |
-    |---|---|---|
-    | rays | the ``Box`` above | |
-    | bump | (1,): 1 if the last move was blocked | |
-    | last_action | (3,): 1 for the last action; none in an episode's first observation | |
-    | odometry | (4,): forward and left of the start, cosine and sine of the turn, with ``drift`` | m |
-    | goal | (2,): forward and left to the target | m |
-    | geodesic | (1,): fewest actions to the target; -1 without a path | actions |
-    | speed | (2,): forward, and turn rate to the left; only in the backend ``free`` | m/s, rad/s |
-    | | or (3,) if bodies drive sideways: forward, to the left, and turn rate | |
-    | memory | (n,): values that the task's terms keep | theirs |
+    ``Config.observe`` can add the parts that ``vitruvius.sim.parts`` lists, such as ``bump`` or ``odometry``.
+    The space is then a ``Dict`` of the parts, in the order of ``observe``, or with ``Config.flat`` a ``Box``
+    (n,) of all their numbers.
 
     ## Rewards
     1 for each target that the body overlaps after the action; else 0. The simulator samples the next target
@@ -333,7 +323,7 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
         """
         actions = self._orders.read(actions)
         self._check(actions)
-        self.world.arrays["action"].fill(self._orders.packed(actions))
+        self.world.arrays["action"].fill(self._orders.given(actions))
         self._run_step()
         flags, observation = self._outputs.flags(), self._outputs.observation()
         info = self._outputs.info(flags, stepped=not self._passing)
@@ -358,7 +348,7 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
         if self._tensors is None:
             self._tensors = self._outputs.tensors(self.device)
         action, outputs = self._tensors
-        action[:] = self._orders.packed(given)
+        action[:] = self._orders.given(given)
         self._run_step()
         if self.config.flat:
             self._outputs.join()
@@ -369,7 +359,7 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
 
         Nothing is checked or returned. The outputs are in the memory that ``step_torch`` returns.
         """
-        self.world.arrays["action"].view()[:] = self._orders.packed(actions)
+        self.world.arrays["action"].view()[:] = self._orders.given(actions)
         self._run_step()
 
     def info(self) -> dict[str, np.ndarray]:

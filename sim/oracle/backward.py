@@ -12,9 +12,10 @@ door was pushed since the search began, the search begins again.
 from functools import cache
 from typing import Any, NamedTuple
 
+from vitruvius.sim.backends.doors import Doors
 from vitruvius.sim.runtime import Bytes, Floats, Ints, Longs, Shorts, kernel, ti
 from vitruvius.sim.tasks.survey import DIAGONAL, STRAIGHT
-from vitruvius.sim.world.episodes import Episodes, WorldArrays, loaded, store
+from vitruvius.sim.world.episodes import Episodes, loaded, store
 
 FAR = 1 << 15
 """Distance that is longer than any path, in actions."""
@@ -97,12 +98,12 @@ def kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
         base = s * (moves.shape[0] // notes.shape[0])
         for column, row in ti.ndrange(note[COLUMNS], note[ROWS]):
             cell = ti.Vector([column + note[COLUMN], row + note[ROW], 0])
-            if search.episodes.doors.near(doors, house, ti.Vector([x, y]), cell):
+            if search.doors.near(doors, house, ti.Vector([x, y]), cell):
                 place = base + column * note[ROWS] + row
                 moves[place] = moves[place] | ti.u16(DOORWAY)
 
     @kernel
-    def act(world: WorldArrays, searches: SearchArrays, answer: Longs):
+    def act(world: episodes.Arrays, searches: SearchArrays, answer: Longs):
         """Write the first action of a shortest path, or ``NOWHERE`` without a path."""
         ti.loop_config(block_dim=1)
         for s in range(ti.min(searches.notes.shape[0], world.reals.shape[0] - searches.first[0])):
@@ -110,7 +111,7 @@ def kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
             answer[s] = search.choose(world, searches, s, e, loaded(world, e))
 
     @kernel
-    def follow(world: WorldArrays, searches: SearchArrays, answer: Longs):
+    def follow(world: episodes.Arrays, searches: SearchArrays, answer: Longs):
         """Write and take the first action of a shortest path; ``UNKNOWN`` after the pick-up of the target."""
         ti.loop_config(block_dim=1)
         for s in range(ti.min(searches.notes.shape[0], world.reals.shape[0] - searches.first[0])):
@@ -120,18 +121,18 @@ def kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
             if state.over != UNKNOWN:
                 action = search.choose(world, searches, s, e, state)
                 if action >= 0:
-                    _, cell, _, door = episodes.move(world, e, state, action)
-                    if door < 0:
-                        state.cell = cell
+                    moved, _, met = episodes.move(world, e, state, action)
+                    if met.max() < 0:
+                        state = moved
                     else:
-                        episodes.push(world, e, door)
+                        episodes.push(world, e, state, met)
                     if episodes.overlaps(state.origin, state.cell, state.target):
                         state.over = UNKNOWN
                     store(world, e, state)
             answer[s] = action
 
     @kernel
-    def play(world: WorldArrays, searches: SearchArrays, answer: Longs):
+    def play(world: episodes.Arrays, searches: SearchArrays, answer: Longs):
         """Play episodes to their ends and write the number of picked-up targets."""
         ti.loop_config(block_dim=1)
         for s in range(ti.min(searches.notes.shape[0], world.reals.shape[0] - searches.first[0])):
@@ -158,7 +159,8 @@ class PathSearch:
     def __init__(self, episodes: Episodes) -> None:
         self.episodes, self.headings = episodes, episodes.body.headings
         config = episodes.config
-        self.step, self.closed_doors = config.step, config.closed_doors > 0
+        self.step, self.doors = config.step, episodes.overlay(Doors)
+        self.closed_doors = self.doors is not None
         # Distance around a target to search for poses that pick it up: more than any body's reach.
         self.near = int((config.target / 2 + max(config.body)) / config.step) + 1
 
@@ -240,7 +242,7 @@ class PathSearch:
         """Return True if a door was pushed or closed since the search began, and record the new state."""
         opened = False
         if ti.static(self.closed_doors):
-            count = self.episodes.doors.count(world)
+            count = self.doors.count(world)
             for door in range(count):  # pyright: ignore[reportArgumentType]
                 pushes = world.pushes[e * count + door]
                 opened |= searches.pushed[s * count + door] != pushes
@@ -256,7 +258,7 @@ class PathSearch:
             if searches.moves[pose >> 3] & DOORWAY:
                 i, j = place // note[ROWS] + note[COLUMN], place % note[ROWS] + note[ROW]
                 cell = ti.Vector([i, j, pose & 7])
-                cost = self.episodes.doors.cost(world, e, state.house, state.origin, cell)
+                cost = self.doors.cost(world, e, state.house, state.origin, cell)
         return cost
 
     @ti.func

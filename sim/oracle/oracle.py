@@ -18,7 +18,7 @@ from vitruvius.sim.oracle.backward import NOWHERE, kernels
 from vitruvius.sim.runtime import Array, Launch, start, ti
 from vitruvius.sim.tasks.survey import survey
 from vitruvius.sim.tasks.tasks import Box
-from vitruvius.sim.world.episodes import HOUSE
+from vitruvius.sim.world.arrays import HOUSE
 from vitruvius.sim.world.world import World
 
 AT_ONCE = 64
@@ -130,7 +130,9 @@ class _Searches:
             "goals": Array(ti.f32, count, 2),
             "first": Array(ti.i32, 1),
             "answer": Array(ti.i64, count),
-            "pushed": Array(ti.u8, count * world.arrays["pushes"].shape[0] // world.num_envs),
+            "pushed": Array(
+                ti.u8, count * world.arrays["pushes"].shape[0] // world.num_envs if closed else 1
+            ),
             "waiting": Array(ti.i32, 8 * places if closed else 1),
             "found_at": Array(ti.i32, 8 * places if closed else 1),
         }

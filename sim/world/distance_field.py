@@ -6,6 +6,12 @@ TILE_BITS, PROFILE_BITS = 3, 20
 TILE = 1 << TILE_BITS
 """Places along a tile of a distance field, and bits of a profile's number: see ``sim.world.geodesic``."""
 
+PROFILE = TILE * TILE * 8
+"""Number of values of a profile."""
+
+TILES = 1 << 16
+"""Number of tiles for which there is room at first."""
+
 MOST_DISTANCE = (1 << (32 - PROFILE_BITS)) - 1
 """Largest value of a tile's smallest distance."""
 

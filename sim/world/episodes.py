@@ -6,17 +6,25 @@ Therefore random numbers do not depend on the number of environments or on the r
 not depend on the agent either.
 """
 
-from typing import Any, NamedTuple, cast
+from typing import Any, cast
 
-from vitruvius.sim.actions import FORWARD
 from vitruvius.sim.backends.backend import Backend
-from vitruvius.sim.backends.doors import Doors
 from vitruvius.sim.backends.targets import OtherTargets
-from vitruvius.sim.config import Config
-from vitruvius.sim.runtime import Bytes, Floats, Ints, ti
-from vitruvius.sim.tasks.terms import Terms, now_of
-from vitruvius.sim.world.distance_field import NOT_YET, Fields, look_up
+from vitruvius.sim.runtime import ti
+from vitruvius.sim.tasks.terms import now_of
+from vitruvius.sim.world.arrays import (
+    COUNTERS,
+    FOUND,
+    HEADING,
+    HOUSE,
+    NUMBER,
+    OVER,
+    SEED,
+    TIME,
+)
+from vitruvius.sim.world.distance_field import NOT_YET, look_up
 from vitruvius.sim.world.extras import Extras
+from vitruvius.sim.world.kind import WorldKind
 from vitruvius.sim.world.observing import Observing
 from vitruvius.sim.world.philox import EPISODE, WHEELS, below, philox, uniform
 from vitruvius.sim.world.surroundings import Surroundings
@@ -26,12 +34,6 @@ TRIES = 32
 """Largest number of samples for a place with a minimum distance to another; the last sample is accepted as it
 is."""
 
-HOUSE, TIME, FOUND, OVER, NUMBER, SEED = range(3, 9)
-"""Indices of these values among the integers of an environment's state, after the cell's three. ``NUMBER`` is
-the number of the episode. ``SEED`` has two integers."""
-WHOLES = SEED + 2
-"""Number of integers of a state."""
-
 HEADER = 7
 """Number of integers in a house's header of the table ``places``: origin of the lattice (x, y as float32
 bits), index of the first start, number of starts, index of the first target, number of targets, heading of
@@ -39,78 +41,12 @@ the starts (-1 for any). A start has 16 bits each for steps east and south; a ta
 task with an order, the number of targets is minus the number of stages, and the index leads to the index and
 number of each stage's targets."""
 
-Reals = ti.types.ndarray(ti.types.vector(4, ti.f32), 1)
-Cells = ti.types.ndarray(ti.types.vector(4, ti.i32), 1)
 Steps = ti.types.ndarray(ti.i16, 1)
-Wholes = ti.types.ndarray(ti.types.vector(WHOLES, ti.i32), 1)
 
 
-class States(NamedTuple):
-    """States of environments."""
-
-    reals: Reals
-    wholes: Wholes
-
-
-class WorldArrays(NamedTuple):
-    """Arrays that a step may read and write: see ``World``."""
-
-    numbers: Floats
-    indices: Ints
-    places: Ints
-    doorways: Floats
-    pushes: Bytes
-    reals: Reals
-    wholes: Wholes
-    fields: Fields
-    tiles: Ints
-    profiles: Steps
-    distance: Ints
-    pending: Ints
-    slots: Ints
-    known: Fields
-    odometer: Reals
-    extras: Floats
-    final_extras: Floats
-    last_distance: Ints
-    past_reals: Reals
-    past_cells: Cells
-    memory: Floats
-    last_memory: Floats
-    surroundings: Ints
-    rooms: Ints
-    next_wholes: Cells
-    next_reals: Reals
-    others: Floats
-    last_others: Floats
-
-
-def _record(name: str, *fields: str) -> Any:
-    """Return a record type with some of these arrays. Fewer arguments make each launch faster."""
-    kinds = [(field, WorldArrays.__annotations__[field]) for field in fields]
-    return NamedTuple(name, kinds)  # pyright: ignore[reportArgumentType]
-
-
-PlainArrays = _record("PlainArrays", "numbers", "indices", "places", "doorways", "pushes", "reals", "wholes")
-"""Arrays of the houses that a step reads, and the states of the environments."""
-
-RememberingArrays = _record(
-    "RememberingArrays", *PlainArrays._fields, "memory", "last_memory", "surroundings", "rooms"
-)
-"""``PlainArrays``, and the arrays that terms keep and see."""
-
-
-State = ti.types.struct(
-    origin=ti.math.vec2,  # of the body's lattice, metres
-    target=ti.math.vec2,  # its centre, metres
-    cell=ti.math.ivec3,  # steps east and south, heading
-    house=ti.i32,
-    time=ti.i32,  # steps in this episode
-    found=ti.i32,  # targets picked up in this episode, plus one
-    over=ti.i32,  # 1 if the episode has ended
-    episode=ti.i32,
-    seed=ti.u64,
-)
+def drives(states: Any) -> bool:
+    """Return True if a record of arrays has the states of bodies that drive."""
+    return "speeds" in states._fields
 
 
 @ti.func
@@ -119,59 +55,61 @@ def loaded(states: ti.template(), e):
     real, whole = states.reals[e], states.wholes[e]
     low = ti.cast(ti.bit_cast(whole[ti.static(SEED)], ti.u32), ti.u64)
     high = ti.cast(ti.bit_cast(whole[ti.static(SEED + 1)], ti.u32), ti.u64)
-    return State(
-        origin=ti.Vector([real[0], real[1]]),
-        target=ti.Vector([real[2], real[3]]),
-        cell=ti.Vector([whole[0], whole[1], whole[2]]),
-        house=whole[ti.static(HOUSE)],
-        time=whole[ti.static(TIME)],
-        found=whole[ti.static(FOUND)],
-        over=whole[ti.static(OVER)],
-        episode=whole[ti.static(NUMBER)],
-        seed=low | (high << ti.u64(32)),
-    )
+    state = states.State()
+    state.origin, state.target = ti.Vector([real[0], real[1]]), ti.Vector([real[2], real[3]])
+    state.house, state.time = whole[ti.static(HOUSE)], whole[ti.static(TIME)]
+    state.found, state.over = whole[ti.static(FOUND)], whole[ti.static(OVER)]
+    state.episode, state.seed = whole[ti.static(NUMBER)], low | (high << ti.u64(32))
+    if ti.static(drives(states)):
+        state.cell, state.speeds = real[ti.static(HEADING)], states.speeds[e]
+    else:
+        state.cell = ti.Vector([whole[ti.static(COUNTERS + k)] for k in range(3)])
+    return state
 
 
 @ti.func
 def store(states: ti.template(), e, state):
     """Write an environment's state, except its seed."""
-    states.reals[e] = ti.Vector([state.origin[0], state.origin[1], state.target[0], state.target[1]])
-    seed = states.wholes[e]
-    states.wholes[e] = ti.Vector(
-        [
-            state.cell[0], state.cell[1], state.cell[2], state.house, state.time,
-            state.found, state.over, state.episode, seed[ti.static(SEED)], seed[ti.static(SEED + 1)],
-        ]
-    )  # fmt: skip
+    store_in(states.reals, states.wholes, e, state, ti.static(drives(states)))
+    if ti.static(drives(states)):
+        states.speeds[e] = state.speeds
+
+
+@ti.func
+def store_in(reals: ti.template(), wholes: ti.template(), e, state, driving: ti.template()):
+    """Write an environment's state, except its seed and its speeds."""
+    old, origin, target, cell = wholes[e], state.origin, state.target, state.cell
+    if ti.static(driving):
+        reals[e] = ti.Vector([origin[0], origin[1], target[0], target[1], cell])
+        wholes[e] = ti.Vector(
+            [state.house, state.time, state.found, state.over, state.episode, old[SEED], old[SEED + 1]]
+        )
+    else:
+        reals[e] = ti.Vector([origin[0], origin[1], target[0], target[1]])
+        wholes[e] = ti.Vector(
+            [
+                state.house, state.time, state.found, state.over, state.episode, old[SEED], old[SEED + 1],
+                cell[0], cell[1], cell[2],
+            ]
+        )  # fmt: skip
 
 
 @ti.data_oriented
 class Episodes(Observing):
     """Step and reset of one environment, for a configuration and a backend."""
 
-    def __init__(
-        self,
-        config: Config,
-        backend: Backend,
-        ends_on_pick_up: bool,
-        terms: Terms,
-        lanes: int,
-        at_once: int = 1,
-    ) -> None:
-        """Compile episodes of a task.
-
-        ``ends_on_pick_up``: True if a pick-up ends the episode. ``terms``: rewards and other ends of the
-        episode. ``lanes``: number of rays that are cast together. ``at_once``: number of targets at once.
-        """
-        if config.closed_doors:
-            self.doors = Doors(config, backend.body, lanes)
+    def __init__(self, kind: WorldKind, backend: Backend, lanes: int) -> None:
+        """Compile episodes of a kind of world. ``lanes``: number of rays that are cast together."""
+        config, at_once = kind.config, kind.at_once
+        self.kind, self.Arrays = kind, kind.arrays
         self.config, self.backend, self.body = config, cast(Any, backend), cast(Any, backend.body)
+        self.overlays = tuple(make(config, backend.body, lanes) for make in kind.overlays)
         self.varying = Varying(config)
-        self.extras = Extras(config, backend.body, self.varying)
-        self.ends_on_pick_up, self.terms, self.Now = ends_on_pick_up, terms, now_of(terms.memory)
         self.surroundings = Surroundings(backend.body)
-        self.knows_distance = config.knows_distance or terms.asks_distance
-        self.at_once = at_once
+        self.extras = Extras(config, backend.body, self.varying, self.surroundings)
+        self.ends_on_pick_up, self.terms = kind.ends_on_pick_up, kind.terms
+        self.Now = now_of(kind.terms.memory)
+        self.knows_distance, self.at_once = kind.knows_distance, at_once
         if at_once > 1:
             self.others = OtherTargets(config, backend.body, lanes, at_once - 1)
         # A body that picked up a target cannot also touch the next target beyond this distance. With several
@@ -184,46 +122,28 @@ class Episodes(Observing):
 
         Returns the state, the reward (f32), and picked up, terminated, truncated, blocked (i32).
         """
-        origin, cell, blocked, door = self.move(world, e, state, action)
+        # move
+        moved, blocked, met = self.move(world, e, state, action)
         if ti.static(self.config.most("slip") > 0):
             counter = ti.Vector([state.episode, state.time, 0, WHEELS])
             words = philox(state.seed, ti.cast(counter, ti.u64))
             if uniform(words[0]) < self.varying.value(state, "slip"):
-                origin, cell, blocked, door = state.origin, state.cell, 0, -1
-        self.push(world, e, door)
-        bumped = -1
-        if ti.static(self.terms.sees_bumped):
-            bumped = 0
-            if blocked:
-                bumped = self.surroundings.bumped(
-                    world.surroundings,
-                    state.house,
-                    state.origin,
-                    state.cell,
-                    origin,
-                    cell,
-                    door,
-                    self.varying.value(state, "width"),
-                )
+                moved, blocked = state, 0
+                for k in ti.static(range(len(self.overlays))):
+                    met[k] = -1
+        self.push(world, e, state, met)
+        bumped = self.bumped(world, state, moved, blocked, met)
         terminated = 0
         if ti.static(self.config.ends_on_collision):
             terminated = blocked
         elif blocked and ti.static(not self.config.drives):
-            cell = state.cell
-        state.origin, state.cell = origin, cell
-        picked, width = self.overlaps(state.origin, cell, state.target), self.varying.value(state, "width")
-        if ti.static(self.config.varies("width")):
-            half = ti.static(self.config.target / 2)
-            picked = self.body.overlaps_with(state.origin, cell, state.target, half, width)
-        if ti.static(self.at_once > 1):
-            other = self.others.met(world.others, e, state.origin, cell, width)
-            if not picked and other >= 0:
-                picked, target = 1, self.others.centre(world.others, e, other)
-                self.others.put(world.others, e, other, state.target)
-                state.target = target
+            moved.origin, moved.cell = state.origin, state.cell
+        # pick up
+        picked, state = self.pick_up(world, e, moved)
         if ti.static(self.ends_on_pick_up):
             terminated |= picked
         state.time += 1
+        # reward
         before, distance = -1, -1
         if ti.static(self.knows_distance):
             before, distance = world.distance[e], 0
@@ -235,6 +155,7 @@ class Episodes(Observing):
         terminated |= self.terms.ends(now)
         if ti.static(self.terms.targets > 0):
             terminated |= picked & ti.cast(now.found >= ti.static(self.terms.targets), ti.i32)
+        # end
         truncated = ti.cast(state.time >= ti.static(self.config.steps), ti.i32)
         state.over = terminated | truncated
         if picked:
@@ -250,6 +171,43 @@ class Episodes(Observing):
             left = ti.select(terminated, 0, ti.max(0, distance))
             earned += self.progress(ti.cast(ti.max(0, before), ti.f32), ti.cast(left, ti.f32))
         return state, earned, picked, terminated, truncated, blocked
+
+    @ti.func
+    def bumped(self, world: ti.template(), state, moved, blocked, met):
+        """Return the code of the obstacle in the way of a blocked body, if terms read it: see ``Now``."""
+        bumped = -1
+        if ti.static(self.terms.sees_bumped):
+            bumped = 0
+            if blocked:
+                bumped = self.surroundings.bumped(
+                    world.surroundings,
+                    state.house,
+                    state.origin,
+                    state.cell,
+                    moved.origin,
+                    moved.cell,
+                    self.varying.value(state, "width"),
+                )
+                for k, overlay in ti.static(enumerate(self.overlays)):
+                    if met[k] >= 0:
+                        bumped = ti.static(overlay.KIND)
+        return bumped
+
+    @ti.func
+    def pick_up(self, world: ti.template(), e, state):
+        """Return 1 if the body overlaps a target (i32), and the state with that target as the current one."""
+        picked = self.overlaps(state.origin, state.cell, state.target)
+        width = self.varying.value(state, "width")
+        if ti.static(self.config.varies("width")):
+            half = ti.static(self.config.target / 2)
+            picked = self.body.overlaps_with(state.origin, state.cell, state.target, half, width)
+        if ti.static(self.at_once > 1):
+            other = self.others.met(world.others, e, state.origin, state.cell, width)
+            if not picked and other >= 0:
+                picked, target = 1, self.others.centre(world.others, e, other)
+                self.others.put(world.others, e, other, state.target)
+                state.target = target
+        return picked, state
 
     @ti.func
     def progress(self, before, after):
@@ -312,45 +270,53 @@ class Episodes(Observing):
 
     @ti.func
     def move(self, world: ti.template(), e, state, action):
-        """Return the result of an action without any change of the state.
+        """Return the result of an action without any change of the arrays.
 
-        The result is the new origin and cell, 1 if something blocks the way (i32), and the closed door in the
-        way, or -1.
+        The result is the state with the new pose, 1 if something blocks the way (i32), and for each overlay
+        the thing that the body meets, -1 for none.
         """
-        origin, cell, blocked, door = state.origin, state.cell, 0, -1
-        if ti.static(self.config.drives and self.config.varies("speed", "acceleration", "width")):
-            shares = ti.Vector([
-                self.varying.value(state, "speed"), self.varying.value(state, "acceleration"),
-                self.varying.value(state, "width"),
-            ])  # fmt: skip
-            origin, cell, blocked = self.backend.drive_with(
-                world.numbers, world.indices, state.house, state.origin, state.cell, action, shares
+        moved, blocked = state, 0
+        met = ti.Vector([-1 for _ in range(ti.static(max(1, len(self.overlays))))])
+        if ti.static(self.config.drives):
+            shares = ti.Vector([1.0, 1.0, 1.0])
+            if ti.static(self.config.varies("speed", "acceleration", "width")):
+                shares = ti.Vector([
+                    self.varying.value(state, "speed"), self.varying.value(state, "acceleration"),
+                    self.varying.value(state, "width"),
+                ])  # fmt: skip
+            origin, cell, speeds, blocked = self.backend.drive(
+                world.numbers,
+                world.indices,
+                state.house,
+                state.origin,
+                state.cell,
+                state.speeds,
+                action,
+                shares,
             )
-        elif ti.static(self.config.drives):
-            origin, cell, blocked = self.backend.drive(
-                world.numbers, world.indices, state.house, state.origin, state.cell, action
-            )
+            moved.origin, moved.cell, moved.speeds = origin, cell, speeds
         elif ti.static(self.config.varies("width")):
             width = self.varying.value(state, "width")
-            cell, blocked = self.backend.move_with(
+            moved.cell, blocked = self.backend.move_with(
                 world.numbers, world.indices, state.house, state.origin, state.cell, action, width
             )
         else:
-            cell, blocked = self.backend.move(
+            moved.cell, blocked = self.backend.move(
                 world.numbers, world.indices, state.house, state.origin, state.cell, action
             )
-        if ti.static(self.config.closed_doors > 0):  # noqa: SIM102 - decided as it is compiled
-            if action == FORWARD:
-                door = self.doors.ahead(world, e, state.house, state.origin, state.cell)
-                blocked |= ti.cast(door >= 0, ti.i32)
-        return origin, cell, blocked, door
+        for k, overlay in ti.static(enumerate(self.overlays)):
+            moved, blocked, met[k] = overlay.cut(world, e, state, action, moved, blocked)
+        return moved, blocked, met
 
     @ti.func
-    def push(self, world: ti.template(), e, door):
-        """Push a closed door for one step; ``door`` is -1 for none."""
-        if ti.static(self.config.closed_doors > 0):  # noqa: SIM102 - decided as it is compiled
-            if door >= 0:
-                self.doors.push(world, e, door)
+    def push(self, world: ti.template(), e, state, met):
+        """Move the things of all overlays by a step; ``met`` has those that the body pushes, -1 for none."""
+        for k, overlay in ti.static(enumerate(self.overlays)):
+            overlay.advance(world, e, state, met[k])
+
+    def overlay(self, kind: type) -> Any:
+        """Return the overlay of a class, or ``None`` if this world has none of it."""
+        return next((each for each in self.overlays if isinstance(each, kind)), None)
 
     @ti.func
     def begin(self, world: ti.template(), e, state, house):
@@ -369,8 +335,11 @@ class Episodes(Observing):
                 self.others.put(world.others, e, k, state.target)
             state.target = target
         state = self.sample_start(world, state)
+        if ti.static(self.config.drives):
+            for k in ti.static(range(len(self.config.drive.low))):
+                state.speeds[k] = 0.0
         self.aim(world, e, state)
-        self.close_doors(world, e, state)
+        self.lay(world, e, state)
         for k in ti.static(range(self.terms.memory)):
             world.memory[e * ti.static(self.terms.memory) + k] = 0.0
         return state
@@ -381,10 +350,10 @@ class Episodes(Observing):
         return ti.Vector([ti.bit_cast(world.places[at + k], ti.f32) for k in range(2)])
 
     @ti.func
-    def close_doors(self, world: ti.template(), e, state):
-        """Close the doors of an environment's house at the beginning of an episode."""
-        if ti.static(self.config.closed_doors > 0):
-            self.doors.close(world, e, state.house, state.origin, state.cell)
+    def lay(self, world: ti.template(), e, state):
+        """Put the things of all overlays in their places at the beginning of an episode."""
+        for overlay in ti.static(self.overlays):
+            overlay.begin(world, e, state)
 
     @ti.func
     def sample_start(self, world: ti.template(), state):

@@ -1,13 +1,15 @@
-"""Parts of an observation other than rays: collisions, last action, odometry, and distance to the goal."""
+"""Writer of the parts of an observation other than rays, which ``sim.parts`` lists."""
 
 from typing import Any
 
 import numpy as np
 
 from vitruvius.sim.actions import ACTIONS, FORWARD, LEFT
-from vitruvius.sim.config import MEMORY, Config
+from vitruvius.sim.config import Config
+from vitruvius.sim.parts import MEMORY
 from vitruvius.sim.runtime import ti
 from vitruvius.sim.world.philox import ODOMETER, normal, philox
+from vitruvius.sim.world.surroundings import Surroundings
 from vitruvius.sim.world.varying import Varying
 
 
@@ -15,9 +17,9 @@ from vitruvius.sim.world.varying import Varying
 class Extras:
     """Writer of the parts of an observation that ``Config.observe`` names."""
 
-    def __init__(self, config: Config, body: Any, varying: Varying) -> None:
-        """Take a configuration and the body of its backend."""
-        self.config, self.body, self.varying = config, body, varying
+    def __init__(self, config: Config, body: Any, varying: Varying, surroundings: Surroundings) -> None:
+        """Take a configuration, the body of its backend, and the functions that look up the body's room."""
+        self.config, self.body, self.varying, self.surroundings = config, body, varying, surroundings
 
     @ti.func
     def notice(self, world: ti.template(), e, state, action, blocked):
@@ -47,9 +49,9 @@ class Extras:
             world.extras[first] = away[0] * cosine - away[1] * sine
             world.extras[first + 1] = -away[0] * sine - away[1] * cosine
         if ti.static("speed" in self.config.observe):
-            speeds, first = self.body.speeds(state.cell), at + ti.static(self.config.extra("speed"))
+            first = at + ti.static(self.config.extra("speed"))
             for k in ti.static(range(len(self.config.drive.low))):
-                world.extras[first + k] = speeds[k]
+                world.extras[first + k] = state.speeds[k]
         if ti.static(MEMORY in self.config.observe):
             first = at + ti.static(self.config.extra(MEMORY))
             for k in ti.static(range(self.config.memory)):
@@ -79,7 +81,7 @@ class Extras:
                 words = philox(state.seed, ti.cast(counter, ti.u64))
                 share += self.varying.value(state, "drift") * normal(words)
             if ti.static(self.config.drives):
-                speeds = ti.static(self.config.drive.time_step) * share * self.body.speeds(state.cell)
+                speeds = ti.static(self.config.drive.time_step) * share * state.speeds
                 turn = speeds[ti.static(len(self.config.drive.low) - 1)]
                 cosine, sine = ti.cos(pose[2] + 0.5 * turn), ti.sin(pose[2] + 0.5 * turn)
                 pose[0] += speeds[0] * cosine

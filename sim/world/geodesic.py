@@ -27,14 +27,12 @@ import numpy as np
 from vitruvius.sim.backends.backend import Lattice
 from vitruvius.sim.runtime import Array, Ints, Launch, Shorts, Words, constants, kernel, start, ti
 from vitruvius.sim.tasks.survey import DIAGONAL, STRAIGHT, survey
-from vitruvius.sim.world.distance_field import FIELD, MOST_DISTANCE, NOT_YET, PROFILE_BITS, TILE, TILE_BITS
-from vitruvius.sim.world.episodes import HOUSE, Episodes, Steps
+from vitruvius.sim.world.arrays import HOUSE
+from vitruvius.sim.world.distance_field import MOST_DISTANCE, NOT_YET, PROFILE, PROFILE_BITS, TILE, TILE_BITS
+from vitruvius.sim.world.episodes import Episodes, Steps
 
 AT_ONCE = 16
 """Number of searches that run together; each takes 50 bytes per pose."""
-
-PROFILE = TILE * TILE * 8
-"""Number of values of a profile."""
 
 MOST_BYTES = 1 << 30
 """Memory beyond which fields and surveys are discarded, except those in use."""
@@ -47,21 +45,6 @@ Key = tuple[int, bytes]
 
 Searches = ti.types.ndarray(ti.types.vector(4, ti.i32), 1)
 Goals = ti.types.ndarray(ti.types.vector(4, ti.f32), 1)
-
-
-def distance_arrays(num_envs: int, asked: bool) -> dict[str, Array]:
-    """Return a world's arrays of distances, or arrays of one unused number if no distances are asked for."""
-    count = num_envs if asked else 1
-    return {
-        "fields": Array(ti.i32, count, FIELD),
-        "tiles": Array(ti.i32, 1 << 16 if asked else 1),
-        "profiles": Array(ti.i16, PROFILE << 10 if asked else 1),
-        "distance": Array(ti.i32, count),
-        "last_distance": Array(ti.i32, count),
-        "pending": Array(ti.i32, 1),
-        "slots": Array(ti.i32, 1),
-        "known": Array(ti.i32, 1024 if asked else 1, FIELD),
-    }
 
 
 class Distances:

@@ -3,11 +3,11 @@
 import math
 from typing import Any
 
-from vitruvius.sim.backends.backend import DOOR, NAMED, PIECE, TARGET, WALL
-from vitruvius.sim.backends.doors import Doors
+from vitruvius.sim.backends.backend import NAMED, PIECE, TARGET, WALL
 from vitruvius.sim.backends.targets import OtherTargets
 from vitruvius.sim.config import DEVIATIONS, Config
 from vitruvius.sim.runtime import ti
+from vitruvius.sim.world.arrays import HEADING
 from vitruvius.sim.world.extras import Extras
 from vitruvius.sim.world.philox import DIRECTION, SENSOR, normal, philox, uniform
 from vitruvius.sim.world.varying import Varying
@@ -20,7 +20,7 @@ class Observing:
     config: Config
     backend: Any
     body: Any
-    doors: Doors
+    overlays: tuple[Any, ...]
     others: OtherTargets
     at_once: int
     varying: Varying
@@ -37,11 +37,14 @@ class Observing:
             kept = ti.static(self.config.latency + 1)
             for k in range(kept):
                 if action < 0 or k == state.time % kept:
-                    here = ti.Vector([state.origin[0], state.origin[1], state.target[0], state.target[1]])
-                    world.past_reals[e * kept + k] = here
-                    world.past_cells[e * kept + k] = ti.Vector(
-                        [state.cell[0], state.cell[1], state.cell[2], 0]
-                    )
+                    origin, target = state.origin, state.target
+                    if ti.static(self.config.drives):
+                        here = ti.Vector([origin[0], origin[1], target[0], target[1], state.cell])
+                        world.past_reals[e * kept + k] = here
+                    else:
+                        here = ti.Vector([origin[0], origin[1], target[0], target[1]])
+                        world.past_reals[e * kept + k] = here
+                        world.past_cells[e * kept + k] = state.cell
 
     @ti.func
     def late(self, world: ti.template(), e, state):
@@ -52,9 +55,12 @@ class Observing:
         if ti.static(self.config.latency > 0):
             kept = ti.static(self.config.latency + 1)
             at = e * kept + (state.time + 1) % kept
-            where, cell = world.past_reals[at], world.past_cells[at]
+            where = world.past_reals[at]
             state.origin, state.target = ti.Vector([where[0], where[1]]), ti.Vector([where[2], where[3]])
-            state.cell = ti.Vector([cell[0], cell[1], cell[2]])
+            if ti.static(self.config.drives):
+                state.cell = where[ti.static(HEADING)]
+            else:
+                state.cell = world.past_cells[at]
         return state
 
     @ti.func
@@ -65,8 +71,8 @@ class Observing:
         """
         state = self.late(world, e, now)
         distance, kind = self.seen(world, e, state, ray, lanes)
-        if ti.static(self.config.closed_doors > 0):
-            self.doors.hide(world, e, state.house, state.origin, state.cell, ray, distance, kind)
+        for overlay in ti.static(self.overlays):
+            overlay.hide(world, e, state, ray, distance, kind)
         if ti.static(self.config.most("noise") > 0 or self.config.most("dropout") > 0):
             noise, dropout = self.varying.value(state, "noise"), self.varying.value(state, "dropout")
             for r in range(ti.static(lanes)):
@@ -98,8 +104,10 @@ class Observing:
                     is_piece = (kind[r] == PIECE) | (kind[r] >= NAMED)
                     self.write(observation, to, "is wall", ti.select(kind[r] == WALL, 1.0, 0.0))
                     self.write(observation, to, "is piece", ti.select(is_piece, 1.0, 0.0))
-                if ti.static(self.config.sees_doors):
-                    self.write(observation, to, "is door", ti.select(kind[r] == DOOR, 1.0, 0.0))
+                for overlay in ti.static(self.overlays):
+                    if ti.static(overlay.COLUMN in self.config.columns):
+                        is_thing = kind[r] == ti.static(overlay.KIND)
+                        self.write(observation, to, overlay.COLUMN, ti.select(is_thing, 1.0, 0.0))
                 self.write(observation, to, "is target", ti.select(kind[r] == TARGET, 1.0, 0.0))
 
     @ti.func

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from vitruvius.logic import House
-from vitruvius.sim.backends.backend import DOOR, WALL, Bank
+from vitruvius.sim.backends.backend import WALL, Bank
 from vitruvius.sim.backends.kinds import codes
 from vitruvius.sim.config import Config
 from vitruvius.sim.runtime import Array, ti
@@ -28,12 +28,10 @@ ROW = 6
 
 
 def surroundings(houses: Sequence[House], bank: Bank, config: Config, terms: Terms) -> Array:
-    """Return the table of a bank's rooms and pieces, or an array of one unused number if no term reads it.
+    """Return the table of a bank's rooms and pieces.
 
     Raises ``ValueError`` if the terms refuse a house, or do not return one mark for each room.
     """
-    if not terms.surveys:
-        return Array(ti.i32, 1)
     header, rows, at = np.zeros((len(houses), HEADER), np.int32), list[np.ndarray](), HEADER * len(houses)
     for k, (house, shape) in enumerate(zip(houses, bank.geometries, strict=True)):
         try:
@@ -99,12 +97,12 @@ class Surroundings:
         return ti.min(place[0] - box[0], box[2] - place[0], place[1] - box[1], box[3] - place[1])
 
     @ti.func
-    def bumped(self, table: ti.template(), house, origin, cell, new_origin, new, door, width):
-        """Return the code of the obstacle between two cells; ``door`` is a closed door, -1 for none."""
+    def bumped(self, table: ti.template(), house, origin, cell, new_origin, new, width):
+        """Return the code of the obstacle between two cells."""
         header, found = house * HEADER, ti.static(WALL)
         at = table[header + 3]
         for k in range(table[header + 4]):
             if found == ti.static(WALL):  # noqa: SIM102 - ``and`` computes both sides
                 if self.body.meets(self.box(table, at + ROW * k), origin, cell, new_origin, new, width):
                     found = table[at + ROW * k + 4]
-        return ti.select(door >= 0, ti.static(DOOR), found)
+        return found

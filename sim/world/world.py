@@ -1,14 +1,16 @@
 """State of E environments over a bank of houses: the arrays that their kernels read and write."""
 
 from collections.abc import Sequence
-from functools import cached_property, partial
+from dataclasses import replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from vitruvius.logic import House
+from vitruvius.sim.arrays import ArrayRow
 from vitruvius.sim.backends.backend import Backend, Bank, Lattice
-from vitruvius.sim.backends.doors import door_arrays
+from vitruvius.sim.backends.doors import open_doors
 from vitruvius.sim.backends.kinds import check_kinds
 from vitruvius.sim.config import Config
 from vitruvius.sim.geometry import check_lengths
@@ -17,16 +19,16 @@ from vitruvius.sim.tasks.places import Places, places
 from vitruvius.sim.tasks.survey import survey
 from vitruvius.sim.tasks.tasks import AnyTask, FixedTask, Targets, at_once, task
 from vitruvius.sim.tasks.terms import terms_of
-from vitruvius.sim.world.episodes import FOUND, HEADER, HOUSE, NUMBER, OVER, SEED, TIME, WHOLES
-from vitruvius.sim.world.geodesic import Distances, distance_arrays
-from vitruvius.sim.world.kernels import NEXT_STEP, SAME_STEP, SAMPLE, kernels
+from vitruvius.sim.world.arrays import FOUND, HOUSE, NEXT_STEP, NUMBER, OVER, SEED, STATE, TIME
+from vitruvius.sim.world.episodes import HEADER
+from vitruvius.sim.world.geodesic import Distances
+from vitruvius.sim.world.kernels import kernels
+from vitruvius.sim.world.kind import WorldKind
+from vitruvius.sim.world.overlays import overlays_of
+from vitruvius.sim.world.phases import SAMPLE
 from vitruvius.sim.world.surroundings import surroundings
 
-STATE = "reals", "wholes"
-"""Arrays that a step depends on, without those of the bank. With closed doors there is also ``pushes``, whose
-length depends on the doors of the bank."""
-
-GUIDE = "next_wholes", "next_reals"
+GUIDE = [row for row in STATE if row.name in ("next_wholes", "next_reals")]
 """Arrays of options for episodes that begin automatically."""
 
 TABLES = "numbers", "indices", "places"
@@ -51,7 +53,7 @@ class PackedHouses(NamedTuple):
     task: AnyTask
     lattices: list[Lattice]
     places: list[Places]
-    surroundings: Array
+    arrays: dict[str, Array]
 
 
 def staged(here: Places, at: int) -> np.ndarray:
@@ -83,69 +85,42 @@ class World:
         ``by_ray``: one task for each environment and ray in place of one for each environment, the loop for
         a GPU; the results are the same, bit for bit.
         """
-        self.task, self.num_envs, self.mode = task(targets), num_envs, mode
+        self.task, self.num_envs = task(targets), num_envs
         check_lengths(houses)
         self.config = backend.fit(config, houses)
-        ends, terms = bool(self.task.ends_on_pick_up), terms_of(self.task)
-        self.serial = num_envs <= FEW and not by_ray
-        self.at_once = at_once(self.task)
-        self._compile = partial(
-            kernels, start(), self.config, backend, mode, by_ray, self.serial, ends, terms, self.at_once
+        self.kind = WorldKind(
+            self.config,
+            mode=mode,
+            by_ray=by_ray,
+            serial=num_envs <= FEW and not by_ray,
+            ends_on_pick_up=bool(self.task.ends_on_pick_up),
+            terms=terms_of(self.task),
+            at_once=at_once(self.task),
+            overlays=overlays_of(self.config),
         )
-        self.kernels, self.guided = self._compile(), False
+        self._check_distance()
+        self.kernels = kernels(start(), self.kind, backend)
         self.backend: Backend = self.kernels.backend
-        knows = self.kernels.episodes.knows_distance
-        if knows and self.config.closed_doors:
-            raise ValueError(
-                "the distance to the target needs open doors: for closed doors use vitruvius.sim.Oracle"
-            )
-        if knows and self.config.varies("width"):
+        self.arrays = {row.name: self._made(row) for row in self.kind.rows if "n" not in row.shape}
+        self.launches: dict[str, Launch] = {}
+        self.distances = Distances(self) if self.kind.knows_distance else None
+        self.load(houses)
+
+    def _check_distance(self) -> None:
+        """Raise ``ValueError`` if the distance to the target is asked for and impossible."""
+        knows, config = self.kind.knows_distance, self.config
+        for overlay in self.kind.overlays:
+            overlay.check(knows)
+        if knows and config.varies("width"):
             raise ValueError("the distance to the target needs a body whose width does not vary")
-        if self.at_once > 1 and (knows or self.config.latency):
+        if self.kind.at_once > 1 and (knows or config.latency):
             raise ValueError(
                 "several targets at once: neither a distance to the target nor latency is possible"
             )
-        self._make_arrays()
-        self.distances = Distances(self) if knows else None
-        self.load(houses)
 
-    def _make_arrays(self) -> None:
-        count, config, mode = self.num_envs, self.config, self.mode
-        pairs = config.channels == 2
-        numbers = count * config.rays * (1 if pairs else config.channels)
-        observation = ti.u64 if pairs else ti.f32
-        ended = numbers if mode == SAME_STEP else 1
-        self.arrays = {
-            "reals": Array(ti.f32, count, 4),
-            "wholes": Array(ti.i32, count, WHOLES),
-            "action": Array(ti.i64, count),
-            "observation": Array(observation, numbers),
-            "final": Array(observation, ended),
-            "extras": Array(ti.f32, max(1, count * config.extra_numbers)),
-            "final_extras": Array(ti.f32, max(1, count * config.extra_numbers)),
-            "odometer": Array(ti.f32, count if "odometry" in config.observe else 1, 4),
-            "past_reals": Array(ti.f32, count * (config.latency + 1) if config.latency else 1, 4),
-            "past_cells": Array(ti.i32, count * (config.latency + 1) if config.latency else 1, 4),
-            "reward": Array(ti.f32, count),
-            "flags": Array(ti.u8, (4 if mode == SAME_STEP else 3) * count),
-            "prefetched": Array(ti.i32, count),
-            "option_wholes": Array(ti.i32, count, 4),
-            "option_reals": Array(ti.f32, count, 4),
-            "next_wholes": Array(ti.i32, 1, 4),
-            "next_reals": Array(ti.f32, 1, 4),
-            "pose": Array(ti.f32, 3 * count),
-            "target": Array(ti.f32, 2 * count),
-            "house": Array(ti.i32, count),
-            "memory": Array(ti.f32, max(1, count * config.memory)),
-            "last_memory": Array(ti.f32, max(1, count * config.memory)),
-            "others": Array(ti.f32, max(1, count * 2 * (self.at_once - 1))),
-            "last_others": Array(ti.f32, max(1, count * 2 * (self.at_once - 1))),
-            "rooms": Array(ti.i32, count if terms_of(self.task).sees_room else 1),
-            "last_reals": Array(ti.f32, count if mode == SAME_STEP else 1, 4),
-            "last_wholes": Array(ti.i32, count if mode == SAME_STEP else 1, WHOLES),
-            **distance_arrays(count, self.kernels.episodes.knows_distance),
-        }
-        self.launches: dict[str, Launch] = {}
+    def _made(self, row: ArrayRow) -> Array:
+        """Return an array of the table, initially zero."""
+        return row.array(self.kind, self.kind.sizes(self.num_envs))
 
     def load(self, houses: Sequence[House], targets: Targets | None = None) -> None:
         """Load another bank, and another task if ``targets`` names one. Nothing is compiled.
@@ -164,7 +139,7 @@ class World:
         wanted = self.task if targets is None else task(targets)
         if wanted.ends_on_pick_up != self.task.ends_on_pick_up:
             raise ValueError("episodes of that task end otherwise: make a new environment for it")
-        if at_once(wanted) != self.at_once:
+        if at_once(wanted) != self.kind.at_once:
             raise ValueError("that task has another number of targets at once: make a new environment for it")
         if terms_of(wanted) != terms_of(self.task):
             raise ValueError("that task has other terms: make a new environment for it")
@@ -173,21 +148,22 @@ class World:
         check_kinds(houses, self.config.kinds)
         getattr(wanted, "check", lambda houses: None)(houses)
         bank = self.backend.pack(houses)
-        about = surroundings(houses, bank, self.config, terms_of(wanted))
-        return PackedHouses(list(houses), bank, wanted, *self._places(houses, bank, wanted), about)
+        arrays = {"numbers": bank.numbers, "indices": bank.indices}
+        if self.kind.surveys:
+            arrays["surroundings"] = surroundings(houses, bank, self.config, terms_of(wanted))
+        return PackedHouses(list(houses), bank, wanted, *self._places(houses, bank, wanted), arrays)
 
     def take(self, loaded: PackedHouses) -> None:
         """Continue with the houses and the task that ``packed`` returned. Nothing is compiled."""
-        self.houses, self.bank, self.task, self.lattices, self.places, about = loaded
-        bank = self.bank
-        self.arrays |= {"numbers": bank.numbers, "indices": bank.indices, "places": self._table()}
-        self.arrays["surroundings"] = about
-        self.arrays |= door_arrays(self.config, bank.geometries, self.num_envs)
-        self._bind()
-        if self.guided:
-            self.guide(*self.unguided())
+        self.houses, self.bank, self.task, self.lattices, self.places, arrays = loaded
+        self.arrays |= arrays | {"places": self._table()}
+        for overlay in self.kind.overlays:
+            self.arrays |= overlay.arrays(self.bank.geometries, self.num_envs)
         if self.distances:
             self.distances.forget()
+        self._bind()
+        if self.kind.guided:
+            self.guide(*self.unguided())
 
     def _bind(self) -> None:
         for launch in self.launches.values():
@@ -269,7 +245,8 @@ class World:
         """
         wholes = self.arrays["wholes"].numpy()
         wholes[chosen, NUMBER] = -1
-        wholes[chosen, SEED:] = np.ascontiguousarray(seeds, "<u8").view("<i4").reshape(-1, 2)[chosen]
+        words = np.ascontiguousarray(seeds, "<u8").view("<i4").reshape(-1, 2)
+        wholes[chosen, SEED : SEED + 2] = words[chosen]
         self.arrays["wholes"].fill(wholes)
 
     def reset(self, option_wholes: np.ndarray, option_reals: np.ndarray) -> None:
@@ -283,36 +260,37 @@ class World:
 
         The kernel ``reset`` explains the options. The first call compiles the step again.
         """
-        if not self.guided:
-            self.kernels, self.guided, self.launches = self._compile(guided=True), True, {}
-            self.arrays["next_wholes"] = Array(ti.i32, self.num_envs, 4)
-            self.arrays["next_reals"] = Array(ti.f32, self.num_envs, 4)
+        if not self.kind.guided:
+            self.kind = replace(self.kind, guided=True)
+            self.kernels, self.launches = kernels(start(), self.kind, type(self.backend)), {}
+            self.arrays |= {row.name: self._made(row) for row in GUIDE}
         self.arrays["next_wholes"].fill(next_wholes)
         self.arrays["next_reals"].fill(next_reals)
 
     def unguided(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return options that sample all values, (E, 4) int32 and float32."""
+        """Return options that sample all values: ``option_wholes`` and ``option_reals``."""
         wholes = np.zeros((self.num_envs, 4), np.int32)
         wholes[:, 0] = SAMPLE
-        return wholes, np.full((self.num_envs, 4), np.nan, np.float32)
+        return wholes, np.full((self.num_envs, self.kind.sizes()["P"]), np.nan, np.float32)
 
     def place(
         self, house: np.ndarray, pose: np.ndarray, bank: Bank | None = None
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return poses (E, 3) in houses (E,) as origins (E, 2) float32 and cells (E, 3) int32.
 
-        ``bank``: the bank of the houses, by default this world's. Raises ``ValueError`` for a pose where the
-        body cannot be.
+        Bodies that drive have headings (E,) float32 in the place of cells. ``bank``: the bank of the houses,
+        by default this world's. Raises ``ValueError`` for a pose where the body cannot be.
         """
         bank = bank or self.bank
         origin, cell = self.backend.place(bank, house, pose)
+        stand = np.zeros((len(pose), 3), np.int32) if self.config.drives else cell
         indoors = np.zeros(len(pose), bool)
         for k in np.unique(house):
             indoors[house == k] = bank.geometries[k].holds(pose[house == k, :2])
         arrays = {
             "numbers": bank.numbers,
             "indices": bank.indices,
-            "cells": Array.of(np.column_stack([house, cell]).astype(np.int32).ravel()),
+            "cells": Array.of(np.column_stack([house, stand]).astype(np.int32).ravel()),
             "origins": Array.of(origin.astype(np.float32).ravel()),
             "free": Array(ti.i32, len(pose)),
         }
@@ -335,7 +313,7 @@ class World:
         """
         if last:
             self._describe_last()
-        elif not (stepped and self.serial):
+        elif not (stepped and self.kind.serial):
             self.run("describe")
         pose, target, house = (self.arrays[name].numpy() for name in ("pose", "target", "house"))
         return pose.reshape(-1, 3), target.reshape(-1, 2), house
@@ -357,7 +335,7 @@ class World:
         whole = self.arrays["wholes"].numpy()[e]
         return {
             "time": int(whole[TIME]),
-            "found": int(whole[FOUND]) - self.at_once + 1,
+            "found": int(whole[FOUND]) - self.kind.at_once + 1,
             "over": int(whole[OVER]),
             "episode": int(whole[NUMBER]),
         }
@@ -368,42 +346,30 @@ class World:
 
         Entries after a house's last door are False.
         """
-        house = self.state["wholes"][:, HOUSE]
-        count = np.array([len(shape.doors) for shape in self.bank.geometries])[house]
+        house = self.arrays["wholes"].numpy()[:, HOUSE]
+        found = open_doors(self.config, self.state, self.bank.geometries, house)
         most = max(len(shape.doors) for shape in self.bank.geometries)
-        is_open = np.arange(most) < count[:, None]
-        if self.config.closed_doors:
-            pushes = self.arrays["pushes"].numpy().reshape(self.num_envs, -1)[:, :most]
-            is_open &= pushes >= self.config.closed_doors
-        return is_open
+        return np.array([np.pad(row, (0, most - len(row))) for row in found])
+
+    def drawn(self, e: int) -> np.ndarray:
+        """Return boxes (n, 4) of all that lies over the house of an environment: west, north, east, south."""
+        house, shapes, arrays = self.arrays["wholes"].numpy()[:, HOUSE], self.bank.geometries, self.state
+        boxes = [overlay.drawn(self.config, arrays, shapes, house)[e] for overlay in self.kind.overlays]
+        return np.concatenate([np.zeros((0, 4)), *boxes])
 
     @property
     def state(self) -> dict[str, np.ndarray]:
-        """Copies of the arrays that a step depends on, except the bank's: (E, 4) float32, (E, WHOLES) int32.
-
-        With closed doors, also the number of pushes of each door, (E D,) uint8. There are more arrays for
-        terms with a memory, for several targets, for latency, and for options of episodes that begin
-        automatically.
-        """
-        return {name: self.arrays[name].numpy() for name in self._state_names}
+        """Copies of the arrays that the next steps depend on, except the bank's: see ``sim.world.arrays``."""
+        return {row.name: self.arrays[row.name].numpy() for row in self.kind.rows if row.saved}
 
     @state.setter
     def state(self, state: dict[str, np.ndarray]) -> None:
-        for name in self._state_names:
-            self.arrays[name].fill(state[name])
+        for row in self.kind.rows:
+            if row.saved:
+                self.arrays[row.name].fill(state[row.name])
         if self.distances:
             self.distances.wait()
             self.distances.settle()
-
-    @property
-    def _state_names(self) -> tuple[str, ...]:
-        doors = ("pushes",) * bool(self.config.closed_doors)
-        extras = ("extras",) * bool(self.config.extras)
-        past = ("past_reals", "past_cells") * bool(self.config.latency)
-        odometer = ("odometer",) * ("odometry" in self.config.observe)
-        memory, guide = ("memory",) * bool(self.config.memory), GUIDE * self.guided
-        others = ("others",) * (self.at_once > 1)
-        return (*STATE, *doors, *extras, *past, *odometer, *memory, *guide, *others)
 
 
 def _require_countable(lattice: Lattice) -> None:

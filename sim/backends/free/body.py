@@ -1,10 +1,8 @@
 """A disc that drives: the representation of its pose and its speeds in a state.
 
-``origin`` is the disc's place in metres, and ``cell`` has three float32 as bits: forward speed (m/s), turn
-rate (rad/s) and heading (radians in [0, 2 pi), counter-clockwise from east). If the disc drives sideways,
-three speeds are in the first two numbers: forward, to the left, and turn rate. Each has 21 bits and is a
-whole number of parts of its largest value (``Drive.part``). At rest with heading 0, a cell is the cell (0, 0,
-0) of a lattice through the place, which ``stands`` and ``move`` accept.
+``origin`` is the disc's place in metres, ``cell`` its heading in radians, in [0, 2 pi), counter-clockwise
+from east. ``speeds`` are the numbers of a command: forward speed (m/s) and turn rate (rad/s), or forward
+speed, speed to the left and turn rate. Surveys count places of a lattice through a place by cells (i, j, 0).
 """
 
 import math
@@ -20,9 +18,6 @@ TURN = 2 * math.pi
 
 TOUCH = 1e-3
 """Largest distance between a body and an obstacle that it drove into and slid along, metres."""
-
-FIELD = 21
-"""Number of bits of a speed of a body that drives sideways."""
 
 
 @ti.func
@@ -64,57 +59,32 @@ class Disc:
         self.commands = constants(np.array(commands, np.float32))
 
     @ti.func
-    def moving(self, speeds: ti.template(), heading):
-        """Return the cell of a body with these speeds, numbers of a command, and this heading."""
-        cell = ti.Vector([0, 0, ti.bit_cast(heading, ti.i32)])
+    def in_parts(self, speeds):
+        """Return the speeds of a body that drives sideways, rounded to whole parts: see ``Drive.part``.
+
+        Speeds are rounded so that trajectories are those of earlier versions, which kept 21 bits of each.
+        """
+        rounded = speeds
         if ti.static(self.sideways):
-            bits = self.packed(speeds)
-            cell[0], cell[1] = ti.cast(bits, ti.i32), ti.cast(bits >> ti.u64(32), ti.i32)
-        else:
-            cell[0], cell[1] = ti.bit_cast(speeds[0], ti.i32), ti.bit_cast(speeds[1], ti.i32)
-        return cell
-
-    @ti.func
-    def speeds(self, cell):
-        """Return the forward speed and turn rate, or the speeds forward and to the left and the turn rate."""
-        if ti.static(self.sideways):
-            low, high = ti.bit_cast(cell[0], ti.u32), ti.bit_cast(cell[1], ti.u32)
-            return self.unpacked(ti.cast(low, ti.u64) | (ti.cast(high, ti.u64) << ti.u64(32)))
-        else:  # noqa: RET505 - decided as it is compiled
-            return ti.Vector([ti.bit_cast(cell[0], ti.f32), ti.bit_cast(cell[1], ti.f32)])
-
-    @ti.func
-    def packed(self, speeds: ti.template()):
-        """Pack three speeds into 64 bits."""
-        bits = ti.u64(0)
-        for k in ti.static(range(3)):
-            whole = ti.cast(ti.floor(speeds[k] * ti.static(1 / self.drive.part[k]) + 0.5), ti.i32)
-            bits |= (ti.cast(whole, ti.u64) & ti.u64((1 << FIELD) - 1)) << ti.u64(FIELD * k)
-        return bits
-
-    @ti.func
-    def unpacked(self, bits):
-        """Unpack three speeds from 64 bits."""
-        speeds = ti.Vector([0.0, 0.0, 0.0])
-        for k in ti.static(range(3)):
-            whole = ti.cast(bits >> ti.u64(FIELD * k), ti.i32) << (32 - FIELD) >> (32 - FIELD)
-            speeds[k] = ti.cast(whole, ti.f32) * ti.static(self.drive.part[k])
-        return speeds
+            for k in ti.static(range(3)):
+                whole = ti.floor(speeds[k] * ti.static(1 / self.drive.part[k]) + 0.5)
+                rounded[k] = whole * ti.static(self.drive.part[k])
+        return rounded
 
     @ti.func
     def heading(self, cell):
         """Return the heading in radians."""
-        return ti.bit_cast(cell[2], ti.f32)
+        return cell
 
     @ti.func
     def degrees(self, cell):
         """Return the heading in degrees."""
-        return self.heading(cell) * ti.static(180 / math.pi)
+        return cell * ti.static(180 / math.pi)
 
     @ti.func
     def eighth(self, cell):
         """Return the heading in eighths of a turn, rounded."""
-        return ti.cast(ti.floor(self.heading(cell) * ti.static(8 / TURN) + 0.5), ti.i32) & 7
+        return ti.cast(ti.floor(cell * ti.static(8 / TURN) + 0.5), ti.i32) & 7
 
     @ti.func
     def begun(self, corner, i, j, word, given):
@@ -125,23 +95,20 @@ class Disc:
         anyhow = ti.cast(word >> ti.u64(8), ti.f32) * ti.static(TURN * 2.0**-24)
         heading = ti.select(given < 0, anyhow, ti.bit_cast(given, ti.f32))
         place = corner + ti.cast(ti.Vector([i, j]), ti.f32) * ti.static(self.step)
-        return place, ti.Vector([0, 0, ti.bit_cast(heading, ti.i32)])
+        return place, heading
 
     @ti.func
     def ordered(self, action):
         """Return the numbers of an action's command, within the limits.
 
-        The action has 64 bits: the number of a command, two float32, or three speeds as parts of the largest.
+        The action is the number of a command, or the speeds themselves.
         """
         wanted = ti.Vector([0.0 for _ in ti.static(self.drive.low)])
         if ti.static(len(self.drive.commands) > 0):
             wanted = self.commands[ti.cast(action, ti.i32)]
-        elif ti.static(self.sideways):
-            wanted = self.unpacked(ti.cast(action, ti.u64))
         else:
-            bits = ti.cast(action, ti.u64)
-            wanted[0] = ti.bit_cast(ti.cast(bits & ti.u64(0xFFFFFFFF), ti.u32), ti.f32)
-            wanted[1] = ti.bit_cast(ti.cast(bits >> ti.u64(32), ti.u32), ti.f32)
+            for k in ti.static(range(len(self.drive.low))):
+                wanted[k] = action[k]
         for k in ti.static(range(len(self.drive.low))):
             wanted[k] = ti.max(ti.static(self.drive.low[k]), ti.min(ti.static(self.drive.high[k]), wanted[k]))
         return wanted
@@ -149,7 +116,10 @@ class Disc:
     @ti.func
     def number(self, action):
         """Return the number of an action, or -1 if actions have no numbers."""
-        return ti.cast(action, ti.i32) if ti.static(len(self.drive.commands) > 0) else -1
+        number = -1
+        if ti.static(len(self.drive.commands) > 0):
+            number = ti.cast(action, ti.i32)
+        return number
 
     @ti.func
     def position(self, origin, cell):

@@ -42,14 +42,12 @@ class Motion:
         return lattice_over(shape, self.config.step, origin)
 
     def place(self, bank: Bank, house: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return origins and cells of bodies at rest at the given poses."""
+        """Return origins (E, 2) and headings (E,) float32 of bodies at the given poses."""
         if not np.isfinite(pose).all():
             raise ValueError("a pose is (x, y, heading), finite")
         heading = np.mod(pose[:, 2], 2 * np.pi).astype(np.float32)
         heading[heading >= np.float32(2 * np.pi)] = 0
-        cell = np.zeros((len(pose), 3), np.int32)
-        cell[:, 2] = heading.view(np.int32)
-        return np.ascontiguousarray(pose[:, :2], np.float32), cell
+        return np.ascontiguousarray(pose[:, :2], np.float32), heading
 
     @ti.func
     def stands(self, numbers: ti.template(), indices: ti.template(), house, origin, cell):
@@ -100,22 +98,21 @@ class Motion:
         return share, normal, depth
 
     @ti.func
-    def drive(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, action):
-        """Return a body's origin and cell after a command, and 1 (i32) if an obstacle affected the body.
+    def drive(
+        self, numbers: ti.template(), indices: ti.template(), house, origin, heading, speeds, action, shares
+    ):
+        """Return a body's origin, heading and speeds after a command, and 1 (i32) if an obstacle affected it.
 
         The body moves along the chord of its arc. An obstacle that slows the body also reduces its speed.
+        Speeds, accelerations and width are scaled by ``shares`` (3,).
         """
-        return self.drive_with(numbers, indices, house, origin, cell, action, ti.Vector([1.0, 1.0, 1.0]))
-
-    @ti.func
-    def drive_with(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, action, shares):
-        """Return ``drive`` for a body whose speeds, accelerations and width are scaled by ``shares`` (3,)."""
-        wanted, speeds = shares[0] * self.body.ordered(action), self.body.speeds(cell)
+        # speed up
+        wanted = shares[0] * self.body.ordered(action)
         limits = ti.Vector([ti.static(self.changes[k]) for k in ti.static(range(len(self.changes)))])
         limits *= shares[1]
         speeds += ti.max(-limits, ti.min(limits, wanted - speeds))
         half = ti.static(0.5 * self.config.drive.time_step) * speeds[ti.static(len(self.changes) - 1)]
-        heading = self.body.heading(cell)
+        # move: the chord of an arc with angle 2 a is sin(a) / a of its length, about 1 - a^2 / 6 for small a
         cosine, sine = cosine_sine(heading + half)
         _, bent = cosine_sine(half)
         chord = ti.select(ti.abs(half) < 1e-2, 1.0 - half * half / 6.0, bent / half)
@@ -127,6 +124,7 @@ class Motion:
                 [cosine * speeds[0] - sine * speeds[1], -(sine * speeds[0] + cosine * speeds[1])]
             )
         moved = self.slide(numbers, indices, house, origin, length * direction, shares[2])
+        # collide
         off = moved - length * direction
         blocked = ti.cast(off.dot(off) > ti.static(SKIN**2), ti.i32)
         if blocked:
@@ -140,7 +138,7 @@ class Motion:
                     )
             else:
                 speeds[0] *= ti.max(0.0, ti.min(1.0, moved.dot(direction) / length))
-        return origin + moved, self.body.moving(speeds, wrapped(heading + 2.0 * half)), blocked
+        return origin + moved, wrapped(heading + 2.0 * half), self.body.in_parts(speeds), blocked
 
     @ti.func
     def slide(self, numbers: ti.template(), indices: ti.template(), house, origin, way, width):

@@ -10,6 +10,7 @@ from vitruvius.agent.baselines.coverage import WORD, origins_of
 from vitruvius.agent.baselines.posterior import KNOWN
 from vitruvius.agent.baselines.searcher import Searcher
 from vitruvius.sim import HouseVectorEnv
+from vitruvius.sim.world.arrays import FOUND
 
 HOUSES = [sample_houses.random_house(seed) for seed in range(6)]
 HALL = {"points": [[1.0, 1.0]]}
@@ -59,7 +60,7 @@ def test_finds_tell_which_region_has_which_share_as_bayes_has_it():
         row = np.abs(spots - place).max(axis=1).argmin()
         likely *= assigned @ [(row in region.targets) / len(region.targets) for region in here.regions]
         state = envs.world.state
-        state["reals"][0, 2:], state["wholes"][0, 5] = spots[rng.integers(len(spots))], found
+        state["reals"][0, 2:], state["wholes"][0, FOUND] = spots[rng.integers(len(spots))], found
         envs.world.state = state
         searcher.act()
         expected = likely @ assigned / likely.sum()

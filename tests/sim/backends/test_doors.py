@@ -15,6 +15,7 @@ from vitruvius.sim import DEFAULT, PAPER, HouseVectorEnv, Oracle
 from vitruvius.sim.backends.doors import doorways
 from vitruvius.sim.config import DOORS
 from vitruvius.sim.geometry import geometry
+from vitruvius.sim.world.arrays import COUNTERS
 
 
 def squares(side: int) -> House:
@@ -276,7 +277,7 @@ def test_paths_of_the_oracle_through_closed_doors_are_shortest(backend, steps):
     moved = moves_of(house, origin, config)
     cells = [list(moved)[k][0] for k in rng.choice(len(moved), count)]
     wholes = state["wholes"].copy()
-    wholes[:, :3] = cells
+    wholes[:, COUNTERS:] = cells
     pushes = rng.integers(0, steps + 1, (count, len(geometry(house).doors)))
     for e, cell in enumerate(cells):
         for heading in range(8):  # a door that contains a body is open

@@ -10,10 +10,9 @@ import torch
 
 from tests.programs import finished
 from vitruvius.agent.runs.checkpoint import load
-from vitruvius.sim import runtime
 from vitruvius.sim.drive import Drive
 from vitruvius.sim.environment.steps import Commands
-from vitruvius.sim.runtime import Array, has_cuda, impl, start, ti
+from vitruvius.sim.runtime import Array, arrays, has_cuda, impl, start, ti
 
 needs_gpu = pytest.mark.skipif(not has_cuda(), reason="no GPU here")
 
@@ -84,7 +83,7 @@ def test_what_needs_taichi_takes_the_device_that_runs(monkeypatch):
 
 def test_a_gpus_memory_is_not_looked_into(monkeypatch):
     start()
-    monkeypatch.setattr(runtime, "on_gpu", lambda: True)
+    monkeypatch.setattr(arrays, "on_gpu", lambda: True)
     array = Array(ti.i32, 3)
     with pytest.raises(RuntimeError, match="cannot look into a GPU's memory"):
         array.view()

@@ -275,7 +275,7 @@ def test_a_wrong_state_is_refused_and_changes_nothing(envs, usual):
         "a state of another bank: a body is in house 3 of 3": good | {"wholes": lost},
         "a body is outside its house": good | {"reals": good["reals"] + 200},
         "a target is nowhere": good | {"reals": good["reals"] * np.array([1, 1, np.nan, 1], np.float32)},
-        "a body has no heading": good | {"wholes": good["wholes"] + np.eye(1, 10, 2, np.int32) * 8},
+        "a body has no heading": good | {"wholes": good["wholes"] + np.eye(1, 10, 9, np.int32) * 8},
     }
     for message, state in wrong.items():
         envs.reset(seed=0)

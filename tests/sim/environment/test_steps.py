@@ -8,7 +8,7 @@ import torch
 from gymnasium import spaces
 from gymnasium.error import ResetNeeded
 
-from vitruvius.sim.drive import PARTS, Drive
+from vitruvius.sim.drive import Drive
 from vitruvius.sim.environment.steps import Choices, Commands, orders, require_going_on
 
 THREE, FIFTEEN = (Choices(spaces.Discrete(n)) for n in (3, 15))
@@ -77,17 +77,15 @@ def test_clipped_actions_may_be_anything_but_nan():
         clips.require(clips.read([[0, np.nan]]), 1)
 
 
-def test_two_speeds_are_packed_as_they_are_and_three_as_parts_of_the_greatest():
-    given = TWO.read([[0.25, -1.5]])
-    assert TWO.packed(given).view(np.float32).tolist() == [0.25, -1.5]
-    assert TWO.packed(torch.from_numpy(given)).tolist() == TWO.packed(given).tolist()
-    given = ASIDE.read([[0.7, -0.25, 1.5], [-9, 9, 9]])
-    packed, bits = ASIDE.packed(given), 21
-    parts = np.array([[PARTS, -PARTS / 2, PARTS / 2], [0, PARTS, PARTS]])
-    found = np.stack([packed << (64 - bits * (k + 1)) >> (64 - bits) for k in range(3)], axis=1)
-    np.testing.assert_allclose(found, parts, atol=0.5)
-    assert ASIDE.packed(torch.from_numpy(given)).tolist() == packed.tolist()
-    assert THREE.packed(given) is given
+def test_kernels_get_two_speeds_as_they_are_and_three_in_whole_parts_of_the_greatest():
+    two, three = TWO.read([[0.25, -1.5]]), ASIDE.read([[0.7, -0.25, 1.5], [-9, 9, 9]])
+    assert TWO.given(two) is two
+    given = ASIDE.given(three)
+    np.testing.assert_allclose(given, [[0.7, -0.25, 1.5], [0, 0.5, 3]], atol=2e-6)
+    parts = given / np.array(ASIDE.drive.part)
+    np.testing.assert_allclose(parts, np.rint(parts), atol=0.1)
+    np.testing.assert_array_equal(ASIDE.given(torch.from_numpy(three)).numpy(), given)
+    assert THREE.given(three) is three
 
 
 def test_a_step_of_an_episode_that_has_ended_names_its_environment():

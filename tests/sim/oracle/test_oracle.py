@@ -11,6 +11,7 @@ from tests import sample_houses
 from vitruvius.sim import DEFAULT, PAPER, HouseVectorEnv, Oracle, shortest_path
 from vitruvius.sim.oracle.oracle import _Searches
 from vitruvius.sim.runtime import Array, Launch, ti
+from vitruvius.sim.world.arrays import COUNTERS
 
 HOUSE = sample_houses.drawn("aaa\naAa\na+a\n...\n...", cell=0.9)
 COARSE = replace(DEFAULT, step=0.15)
@@ -36,7 +37,7 @@ def transitions(house, origin, config):
         envs.reset(seed=0)
         envs.world.reset(options, at)
         envs.step(np.full(len(pose), action))
-        after = envs.world.state["wholes"][:, :3]
+        after = envs.world.state["wholes"][:, COUNTERS:]
         for k in np.flatnonzero(free):
             moved[tuple(cells[k].tolist()), action] = tuple(after[k].tolist())
     return moved
@@ -90,7 +91,7 @@ def test_paths_of_the_oracle_are_shortest(coarse):
     for seed in range(6):
         _, info = envs.reset(seed=seed)
         for _ in range(4):
-            start, target = tuple(world.state["wholes"][0, :3].tolist()), info["target"][0]
+            start, target = tuple(world.state["wholes"][0, COUNTERS:].tolist()), info["target"][0]
             expected = fewest(moved, start, lambda cell, target=target: picks(cell, origin, target, COARSE))
             steps, reward = 0, 0.0
             while not reward:
