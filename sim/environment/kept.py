@@ -7,9 +7,13 @@ import numpy as np
 
 from vitruvius.sim.actions import HEADINGS
 from vitruvius.sim.config import Config
+from vitruvius.sim.environment.outputs import Outputs
+from vitruvius.sim.environment.passing import Standing
+from vitruvius.sim.environment.pictures import Pictures
 from vitruvius.sim.geometry import Geometry
 from vitruvius.sim.world.arrays import COUNTERS, HEADING, HOUSE
 from vitruvius.sim.world.phases import SAMPLE
+from vitruvius.sim.world.world import World
 
 SPACES = "observation_space", "action_space", "single_observation_space", "single_action_space"
 
@@ -76,6 +80,52 @@ def _require_guide(
         raise ValueError("a state of other houses: a next episode would begin outside these houses")
     if not turned.all():
         raise ValueError("a state of no house: a next episode would begin without a heading")
+
+
+class KeepsState:
+    """Mixin for environments whose state can be read, set and pickled."""
+
+    world: World
+    closed: bool
+    _passing: Standing
+    _pictures: Pictures
+    _outputs: Outputs
+    _arguments: dict[str, Any]
+    _ready: bool
+
+    @property
+    def state(self) -> dict[str, np.ndarray]:
+        """Copies of everything that the next steps depend on, except the houses.
+
+        Setting the state continues every environment bit for bit, in this or another environment with the
+        same arguments.
+        """
+        seen = {"flags": self._outputs.flags(), "observation": self._outputs.rays()}
+        return self.world.state | self._passing.state | seen
+
+    @state.setter
+    def state(self, state: dict[str, np.ndarray]) -> None:
+        state = dict(state)
+        with self._passing.unless_refused():
+            if self._passing.go_on_from(state):
+                self._pictures.forget()
+            require_state(state, self.state, self.world.bank.geometries, self.world.config)
+        self.world.state = state
+        for name in ("flags", "observation"):
+            array = self.world.arrays[name]
+            array.fill(np.ascontiguousarray(state[name]).view(array.dtype).ravel())
+        self._ready = True
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the arguments and the state.
+
+        The loaded environment continues bit for bit, with its random numbers.
+        """
+        houses = self._passing.rotation or self.world.houses
+        arguments = self._arguments | {"houses": houses, "targets": self.world.task}
+        state = self.state if self._ready else None
+        kept = {name: self.__dict__[name] for name in KEPT if name in self.__dict__}
+        return remade, (type(self), arguments, kept, state, self.closed)
 
 
 def remade(

@@ -1,6 +1,9 @@
 """Environments with rotating houses: a thread packs the next period's houses while the environments step."""
 
+from collections.abc import Iterator, Mapping
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
+from contextlib import contextmanager
+from typing import Any
 from weakref import WeakSet
 
 import numpy as np
@@ -20,12 +23,57 @@ def close_all() -> None:
         each.close()
 
 
-class Passing:
+class Standing:
+    """Houses that stay: the interface of ``Passing`` for a bank that does not rotate."""
+
+    rotation: HouseRotation | None = None
+    steps = 0
+
+    def __init__(self, world: World) -> None:
+        """Take a world, which already has its houses."""
+        self.world = world
+
+    def go_to(self, steps: int) -> bool:
+        """Return False, because the houses have not changed: see ``Passing``."""
+        return False
+
+    @property
+    def state(self) -> dict[str, np.ndarray]:
+        """Part of the state that says which houses are there: none."""
+        return {}
+
+    def go_on_from(self, state: Mapping[str, Any]) -> bool:
+        """Return False, because the houses have not changed: see ``Passing``."""
+        return False
+
+    def step(self) -> bool:
+        """Run a step of the world, and return False: see ``Passing``."""
+        self.world.run("step")
+        return False
+
+    def close(self) -> None:
+        """Do nothing: see ``Passing``."""
+
+    @contextmanager
+    def unless_refused(self) -> Iterator[None]:
+        """Go back to the previous houses if the call in this context is refused."""
+        before = self.steps
+        try:
+            yield
+        except BaseException:
+            self.go_to(before)
+            raise
+
+
+class Passing(Standing):
     """Current period of a world's rotation."""
+
+    rotation: HouseRotation  # pyright: ignore[reportIncompatibleVariableOverride] - it always has one
 
     def __init__(self, world: World, rotation: HouseRotation) -> None:
         """Begin with the first period, whose houses the world already has."""
-        self.world, self.rotation = world, rotation
+        super().__init__(world)
+        self.rotation = rotation
         self.pool = ThreadPoolExecutor(1, "rotation")
         self.number = self.steps = 0
         self._begin(1)
@@ -72,17 +120,22 @@ class Passing:
         return changes
 
     @property
-    def state(self) -> np.ndarray:
-        """Number of steps, and the rotation's size and steps: (3,) int64."""
-        return np.array([self.steps, self.rotation.size, self.rotation.steps])
+    def state(self) -> dict[str, np.ndarray]:
+        """Part of the state that says which houses are there.
 
-    def go_on_from(self, state: np.ndarray) -> bool:
-        """Go to the period of ``state``; see ``go_to``.
+        ``passed`` is the number of steps, and the rotation's size and steps: (3,) int64.
+        """
+        return {"passed": np.array([self.steps, self.rotation.size, self.rotation.steps])}
+
+    def go_on_from(self, state: Mapping[str, Any]) -> bool:
+        """Go to the period of ``state``, if it has one; see ``go_to``.
 
         Raises ``RequestError``, a ``ValueError``, for the state of another rotation.
         """
-        steps, *others = np.asarray(state).tolist()
-        if steps < 0 or others != self.state[1:].tolist():
+        if "passed" not in state:
+            return False
+        steps, *others = np.asarray(state["passed"]).tolist()
+        if steps < 0 or others != self.state["passed"][1:].tolist():
             raise RequestError(
                 f"a state of another rotation ({others} houses and steps), or of less than none"
             )
@@ -105,3 +158,8 @@ class Passing:
             arrays["flags"].fill(flags.ravel())
             arrays["wholes"].fill(wholes)
         return changes
+
+
+def passing(world: World, houses: Any) -> Standing:
+    """Return the rotation of a world's houses, or the houses that stay."""
+    return Passing(world, houses) if isinstance(houses, HouseRotation) else Standing(world)

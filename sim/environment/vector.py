@@ -1,7 +1,6 @@
 """Many environments at once: a Gymnasium ``VectorEnv``."""
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,11 +22,11 @@ from vitruvius.sim.environment.arguments import (
     read_arguments,
     whole,
 )
-from vitruvius.sim.environment.kept import KEPT, remade, require_state
+from vitruvius.sim.environment.kept import KeepsState
 from vitruvius.sim.environment.observed import single_spaces
 from vitruvius.sim.environment.options import read_options, read_seeds, require_mapping
 from vitruvius.sim.environment.outputs import Outputs
-from vitruvius.sim.environment.passing import Passing
+from vitruvius.sim.environment.passing import passing
 from vitruvius.sim.environment.pictures import Pictures, scene_of
 from vitruvius.sim.environment.rotation import HouseRotation, require_next_step
 from vitruvius.sim.environment.specs import KeepsSpec
@@ -56,7 +55,7 @@ MOST_TARGETS = 1 << 16
 """Largest number of targets that ``targets`` returns for an episode."""
 
 
-class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibleVariableOverride]
+class HouseVectorEnv(KeepsState, KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibleVariableOverride]
     """Vector environment: bodies with 40 rays search furnished houses for targets; one kernel steps them all.
 
     ## Description
@@ -195,8 +194,7 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
             "device": device,
             "by_ray": by_ray,
         }
-        self._passing: Passing | None = None
-        self._pass(houses)
+        self._passing = passing(self.world, houses)
         self._outputs, self._orders = Outputs(self.world), orders(self.single_action_space, self.config.drive)
         self._seed, self._ready = seed, False
         self._tensors: tuple[Any, tuple[Any, ...]] | None = None
@@ -211,7 +209,7 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
     @property
     def rotation(self) -> HouseRotation | None:
         """Rotation of the houses, or ``None``."""
-        return self._passing.rotation if self._passing else None
+        return self._passing.rotation
 
     @property
     def geometries(self) -> list[Geometry]:
@@ -232,20 +230,13 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
         require_next_step(houses, self.autoreset_mode)
         allow(*class_names(targets))
         self.world.load(house_list(houses), targets)
-        self._pass(houses)
+        self._passing.close()
+        self._passing = passing(self.world, houses)
         self._ready = False
         self._pictures.forget()
 
-    def _pass(self, houses: Houses) -> None:
-        """Start rotating the houses if ``houses`` is a ``HouseRotation``."""
-        if self._passing:
-            self._passing.close()
-        self._passing = Passing(self.world, houses) if isinstance(houses, HouseRotation) else None
-
     def _run_step(self) -> None:
-        if not self._passing:
-            self.world.run("step")
-        elif self._passing.step():
+        if self._passing.step():
             self._pictures.forget()
 
     def reset(
@@ -262,8 +253,8 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
         self._require_open()
         given = require_mapping(options)
         seeds = None if seed is None else read_seeds(seed, self.num_envs)
-        with self._unless_refused():
-            if self._passing and seeds and "reset_mask" not in given and self._passing.go_to(0):
+        with self._passing.unless_refused():
+            if seeds and "reset_mask" not in given and self._passing.go_to(0):
                 self._pictures.forget()
             asked = read_options(given, self.world, first=not self._ready)
         if seeds is None and not self._ready:
@@ -302,7 +293,7 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
         and for houses that rotate.
         """
         self._require_open()
-        if self._passing or self.autoreset_mode is AutoresetMode.DISABLED:
+        if self.rotation or self.autoreset_mode is AutoresetMode.DISABLED:
             raise ValueError(
                 "options for next episodes: the houses rotate, or the mode has no automatic resets"
             )
@@ -326,7 +317,7 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
         self.world.arrays["action"].fill(self._orders.given(actions))
         self._run_step()
         flags, observation = self._outputs.flags(), self._outputs.observation()
-        info = self._outputs.info(flags, stepped=not self._passing)
+        info = self._outputs.info(flags, stepped=not self.rotation)
         reward = self.world.arrays["reward"].numpy()
         if self.autoreset_mode is AutoresetMode.SAME_STEP:
             info |= self._outputs.finals(flags[TERMINATED] | flags[TRUNCATED])
@@ -382,36 +373,6 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
         self._require_ready("targets")
         return self.world.targets(whole("count", count, MOST_TARGETS))
 
-    @property
-    def state(self) -> dict[str, np.ndarray]:
-        """Copies of everything that the next steps depend on, except the houses.
-
-        Setting the state continues every environment bit for bit, in this or another environment with the
-        same arguments.
-        """
-        passed = {"passed": self._passing.state} if self._passing else {}
-        return (
-            self.world.state
-            | passed
-            | {
-                "flags": self._outputs.flags(),
-                "observation": self._outputs.rays(),
-            }
-        )
-
-    @state.setter
-    def state(self, state: dict[str, np.ndarray]) -> None:
-        state = dict(state)
-        with self._unless_refused():
-            if self._passing and "passed" in state and self._passing.go_on_from(state["passed"]):
-                self._pictures.forget()
-            require_state(state, self.state, self.geometries, self.config)
-        self.world.state = state
-        for name in ("flags", "observation"):
-            array = self.world.arrays[name]
-            array.fill(np.ascontiguousarray(state[name]).view(array.dtype).ravel())
-        self._ready = True
-
     def render(self) -> tuple[np.ndarray, ...] | None:
         """Return a picture of each environment, (height, width, 3) uint8, in the size of the largest house's.
 
@@ -429,24 +390,12 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
 
     def close_extras(self, **kwargs: Any) -> None:
         """Close the window, if there is one, and stop packing houses."""
-        if self._passing:
-            self._passing.close()
+        self._passing.close()
         self._pictures.close()
 
     def scene(self, index: int) -> "Scene":
         """Return the scene of one environment, for ``sim.film``."""
         return scene_of(self._outputs, index)
-
-    @contextmanager
-    def _unless_refused(self) -> Iterator[None]:
-        """Go back to the previous houses if the call in this context is refused."""
-        before = self._passing and self._passing.steps
-        try:
-            yield
-        except BaseException:
-            if self._passing and before is not None:
-                self._passing.go_to(before)
-            raise
 
     def _require_open(self) -> None:
         if self.closed:
@@ -456,16 +405,6 @@ class HouseVectorEnv(KeepsSpec, VectorEnv):  # pyright: ignore[reportIncompatibl
         self._require_open()
         if not self._ready:
             raise ResetNeeded(f"call reset() before {call}()")
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle the arguments and the state.
-
-        The loaded environment continues bit for bit, with its random numbers.
-        """
-        arguments = self._arguments | {"houses": self.rotation or self.houses, "targets": self.world.task}
-        state = self.state if self._ready else None
-        kept = {name: self.__dict__[name] for name in KEPT if name in self.__dict__}
-        return remade, (type(self), arguments, kept, state, self.closed)
 
     def _check(self, actions: Any) -> None:
         """Raise an error if these actions, an array or a tensor, are not possible now."""
