@@ -3,7 +3,7 @@
 import os
 import socket
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -22,26 +22,14 @@ def files(root: Path, but: Path) -> Files:
     return found
 
 
-def processes() -> dict[int, tuple[int, str]]:
-    """Return the parent and the name of each process of this machine."""
-    found = {}
-    for entry in os.listdir("/proc"):
-        if entry.isdecimal():
-            try:
-                with open(f"/proc/{entry}/stat") as file:  # for every process: a Path would take longer
-                    head, _, tail = file.read().rpartition(")")
-            except (FileNotFoundError, ProcessLookupError):
-                continue
-            found[int(entry)] = (int(tail.split()[1]), head.partition("(")[2])
-    return found
-
-
-def descendants(ancestor: int) -> dict[int, str]:
-    """Return the names of all descendants of a process, by their numbers."""
-    every, found = processes(), {ancestor: ""}
-    while new := {p: name for p, (parent, name) in every.items() if parent in found and p not in found}:
-        found |= new
-    del found[ancestor]
+def descendants(ancestor: int) -> set[int]:
+    """Return the numbers of all descendants of a process."""
+    found, waiting = set[int](), [ancestor]
+    while waiting:
+        for children in Path(f"/proc/{waiting.pop()}/task").glob("*/children"):
+            with suppress(FileNotFoundError, ProcessLookupError):
+                waiting += map(int, children.read_text().split())
+        found.update(waiting)
     return found
 
 
@@ -117,7 +105,7 @@ def watched(root: Path, out: Path, ear: Ear, process: int) -> Iterator[Effects]:
     effects.found += [f"changed {path}" for path in sorted(changed)]
     effects.add("connections", ear.heard())
     if Path(f"/proc/{process}/stat").exists() and os.listdir(f"/proc/{process}/task"):
-        left = descendants(process).keys() - before[1].keys()
+        left = descendants(process) - before[1]
         effects.add("processes left", len(left))
         effects.add("page faults of processes that ended", children_reaped(process) - before[2])
         effects.add("sockets", sockets(process) - before[3])
