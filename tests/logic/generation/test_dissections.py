@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 import shapely
 
-from vitruvius.logic import GrammarError, check, generate
+from tests.logic.workers.in_process import generate
+from vitruvius.logic import GrammarError, check
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.grammar import find
 from vitruvius.logic.house.house import House

@@ -1,4 +1,4 @@
-"""Doors with widths by the types of both rooms, judged by coordinates. 15 s."""
+"""Doors with widths by the types of both rooms, judged by coordinates."""
 
 import shutil
 from pathlib import Path
@@ -6,7 +6,6 @@ from pathlib import Path
 import pytest
 from msgspec import structs
 
-import vitruvius
 from tests.logic.workers.in_process import generate
 from vitruvius.logic import GrammarError, RequestError, Unsatisfiable, check
 from vitruvius.logic.grammar import SHIPPED
@@ -98,4 +97,4 @@ def test_stars_units_and_own_plans_refuse_it(tmp_path: Path) -> None:
         list(generate(rooms=15, grammar=grammar(tmp_path / "units", clause, "apartments")))
     [house] = generate(rooms=5, grammar="home")
     with pytest.raises(RequestError, match="no plan of your own has them yet: leave these clauses out"):
-        list(vitruvius.generate(plan=house, grammar=grammar(tmp_path / "own", clause)))
+        list(generate(plan=house, grammar=grammar(tmp_path / "own", clause)))

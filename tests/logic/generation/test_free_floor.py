@@ -1,6 +1,8 @@
 """Free squares for wheelchairs, and windows of rooms that need none, as grammars require."""
 
 import shutil
+from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +17,6 @@ from vitruvius.logic.house.parts import Piece, Room
 from vitruvius.logic.proofs.answer import house_or_proof
 from vitruvius.logic.request.house_request import HouseRequest
 
-SEEDS = range(6)
 TINY = """
 topology(ring).  type(hall;bath).  empty(hall).  central(hall).
 may(bath,tub,1,1).  stands(tub,(left;back;right)).
@@ -39,8 +40,9 @@ def builder(folder: Path, rules: str = "", lengths: str = "", grammar: str = "ho
     return Builder(find(folder))
 
 
-def houses(of: Builder, rooms: int = 6) -> list[House]:
-    return [of.house(HouseRequest(rooms), seed, 0) for seed in SEEDS]
+def houses(of: Builder) -> Iterator[House]:
+    """Yield houses as they are asked for."""
+    return (of.house(HouseRequest(6), seed, 0) for seed in range(6))
 
 
 def has_free_square(room: Room, side: float) -> bool:
@@ -64,16 +66,17 @@ def has_free_square(room: Room, side: float) -> bool:
 def test_a_wheelchair_turns_in_the_rooms_that_are_to_have_a_free_square(tmp_path: Path) -> None:
     made = houses(builder(tmp_path / "mine", lengths="turning(bathroom, 1.5).\nturning(bedroom, 1.4).\n"))
     wanted = {"bathroom": 1.5, "bedroom": 1.4}
-    for house in made:
+    for house in islice(made, 3):
         assert check(house) == []
         for room in house.rooms:
             assert has_free_square(room, wanted.get(room.type, 0.0))
-    plain = [room for house in houses(Builder(find("home"))) for room in house.rooms if room.type in wanted]
+    homes = houses(Builder(find("home")))
+    plain = (room for house in homes for room in house.rooms if room.type in wanted)
     assert not all(has_free_square(room, wanted[room.type]) for room in plain), "homes have them anyway"
 
 
 def test_check_finds_the_room_in_which_none_turns(tmp_path: Path) -> None:
-    house = houses(builder(tmp_path / "mine", lengths="turning(bathroom, 1.5).\n"))[0]
+    house = next(houses(builder(tmp_path / "mine", lengths="turning(bathroom, 1.5).\n")))
     room = next(room for room in house.rooms if room.type == "bathroom")
     west, north, east, south = room.box
     middle = Piece((west + east) / 2 - 0.1, (north + south) / 2 - 0.1, 0.2, 0.2, "sink")
@@ -105,5 +108,7 @@ def test_rooms_that_may_be_lit_have_windows_now_and_then(tmp_path: Path) -> None
         for room in house.rooms:
             if room.type in having:
                 having[room.type].add(any(window.room == room.name for window in house.windows))
+        if having["bathroom"] == {True, False}:
+            break
     assert having["bathroom"] == {True, False}
     assert having["wc"] <= {False}

@@ -10,7 +10,8 @@ import shapely
 from msgspec import structs
 
 from tests.logic.request.test_given_plan import Box, geojson
-from vitruvius.logic import RequestError, Unsatisfiable, check, generate
+from tests.logic.workers.in_process import generate
+from vitruvius.logic import RequestError, Unsatisfiable, check
 from vitruvius.logic.drawing.draw import plan_svg
 from vitruvius.logic.drawing.wall_union import wall_rings
 from vitruvius.logic.generation.builder import Builder

@@ -7,7 +7,8 @@ import pytest
 from msgspec import structs
 
 from tests.logic.request.test_given_plan import Box, geojson
-from vitruvius.logic import Unsatisfiable, check, generate, nearest_plan
+from tests.logic.workers.in_process import generate
+from vitruvius.logic import Unsatisfiable, check, nearest_plan
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.grammar import SHIPPED, find
 from vitruvius.logic.house.house import House

@@ -10,6 +10,7 @@ import pytest
 from clingo import Symbol
 
 from benchmarks.generator.verdicts import furniture_systems, given_systems, verdicts, wall_systems
+from tests import architect
 from vitruvius.logic import GrammarError, RequestError, Unsatisfiable, check
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.generation.loop import Stages, Work
@@ -88,6 +89,7 @@ def test_a_home_keeps_all_that_its_grammar_promises(home: Builder, rooms: int) -
         house = home.house(HouseRequest(rooms), 5, index)
         assert check(house) == []
         assert len(house.rooms) == rooms
+        assert list(architect.faults(house)) == []
         assert house.topology == "ring"
         assert House.from_dict(house.to_dict()) == house
 

@@ -12,9 +12,9 @@ import pytest
 import shapely
 from msgspec import structs
 
-from tests.logic.workers import in_process
+from tests.logic.workers.in_process import generate
 from tests.thick import faces
-from vitruvius.logic import GrammarError, Unsatisfiable, check, generate
+from vitruvius.logic import GrammarError, Unsatisfiable, check
 from vitruvius.logic.exports.geojson import to_geojson
 from vitruvius.logic.exports.solids import solids
 from vitruvius.logic.generation.builder import Builder
@@ -187,10 +187,10 @@ def test_a_file_has_the_thickness_and_gives_the_same_house(houses: list[House]) 
             House.from_dict({**houses[0].to_dict(), "wall_thickness": wrong})
 
 
-def test_a_plan_of_a_house_or_of_its_geojson_keeps_its_rooms(houses: list[House]) -> None:
+def test_a_plan_of_a_house_or_of_its_geojson_keeps_its_rooms(builder: Builder, houses: list[House]) -> None:
     house = houses[4]
     for plan in (house, to_geojson(house)):
-        [again] = generate(plan=plan, grammar=MASONRY, seed=1)
+        again = builder.house(HouseRequest(len(house.rooms), plan=read_plan(plan)), 1, 0)
         assert check(again) == []
         assert again.wall_thickness == house.wall_thickness
         offsets = np.subtract([room.box for room in house.rooms], [room.box for room in again.rooms])
@@ -275,7 +275,7 @@ def test_other_topologies_and_units_have_such_walls(name: str, tmp_path: Path) -
     (tmp_path / "thick" / "walls.pl").write_text("wall_thickness(inner, 0.1). wall_thickness(outer, 0.4).\n")
     if name == "dissection":
         (tmp_path / "thick" / "void.lp").write_text("#program house.\nvoid(rooms).\n")
-    for house in in_process.generate(rooms, grammar=tmp_path / "thick", count=2):
+    for house in generate(rooms, grammar=tmp_path / "thick", count=2):
         assert check(house) == []
         least = min(
             shapely.box(*one.box).distance(shapely.box(*other.box))
@@ -303,9 +303,9 @@ def grammar(folder: Path, walls: str, base: str = "home") -> Path:
 
 @pytest.mark.second_part("every topology")
 def test_no_thickness_is_the_same_as_none_bit_for_bit(tmp_path: Path) -> None:
-    [one] = in_process.generate(6, grammar="home", seed=4)
+    [one] = generate(6, grammar="home", seed=4)
     none = grammar(tmp_path / "none", "wall_thickness(inner, 0.0).\n")
-    [other] = in_process.generate(6, grammar=none, seed=4)
+    [other] = generate(6, grammar=none, seed=4)
     assert structs.replace(one, provenance=None) == structs.replace(other, provenance=None)
     assert "wall_thickness" not in one.to_dict()
 
@@ -325,17 +325,13 @@ WRONG = {
 @pytest.mark.parametrize("walls", WRONG)
 def test_what_is_no_thickness_is_named_by_line_and_column(walls: str, tmp_path: Path) -> None:
     with pytest.raises(GrammarError) as error:
-        list(in_process.generate(4, grammar=grammar(tmp_path / "wrong", walls)))
+        list(generate(4, grammar=grammar(tmp_path / "wrong", walls)))
     assert f"walls.pl{WRONG[walls]}" in str(error.value).replace("error: ", "")
 
 
 def test_a_star_refuses_it(tmp_path: Path) -> None:
     with pytest.raises(GrammarError, match="nothing uses wall_thickness/2 in a star: state a topology/1"):
-        list(
-            in_process.generate(
-                4, grammar=grammar(tmp_path / "star", "wall_thickness(inner, 0.1).", "family")
-            )
-        )
+        list(generate(4, grammar=grammar(tmp_path / "star", "wall_thickness(inner, 0.1).", "family")))
 
 
 def test_promises_of_a_thickness_are_kept_or_said(houses: list[House]) -> None:

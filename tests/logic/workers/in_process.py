@@ -5,31 +5,23 @@ It is for tests of rules. Tests of processes, limits and messages use ``vitruviu
 
 from collections.abc import Iterator
 from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
 from vitruvius.logic.generation.builder import Builder
-from vitruvius.logic.grammar import Grammar, find
+from vitruvius.logic.grammar import Grammar
 from vitruvius.logic.house.house import House
 from vitruvius.logic.layout.programs import Programs
 from vitruvius.logic.proofs.answer import house_or_proof
-from vitruvius.logic.request.house_request import HouseRequest
+from vitruvius.logic.request.arguments import house_request
 
 
 def generate(
-    rooms: int,
-    *,
-    grammar: str | Path = "family",
-    cell: float = 0.0,
-    seed: int = 0,
-    count: int = 1,
-    **counts: Any,
+    rooms: int | None = None, *, seed: int = 0, count: int = 1, start: int = 0, **asked: Any
 ) -> Iterator[House]:
-    """Yield the houses of ``vitruvius.generate`` for these arguments."""
-    request = HouseRequest.read({"rooms": rooms, "types": {}, "furniture": {}, "cell": cell} | counts)
-    rules = find(grammar)
-    for index in range(count):
-        yield house_or_proof(_builder(rules, cell), request, seed, index)
+    """Yield the houses of ``vitruvius.generate`` for these arguments, without its warnings."""
+    request = house_request(rooms, **asked)
+    for index in range(start, start + count):
+        yield house_or_proof(_builder(request.rules, request.cell), request.at(index), seed, index)
 
 
 @lru_cache(maxsize=1)  # SWI-Prolog holds one grammar at a time
