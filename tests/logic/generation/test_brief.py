@@ -292,6 +292,7 @@ def test_no_layout_of_a_brief_is_refuted_falsely() -> None:
     assert set(found) == {(False, False, False), (True, True, True)}
 
 
+@pytest.mark.second_part("a brief of twelve rooms")
 def test_a_brief_alone_gets_the_doors_that_it_asks_for_and_one_into_each_group_of_rooms() -> None:
     """In a frozen brief doors join all rooms; here some doors are left out, so that there are groups."""
     (entry,) = (each for each in frozen() if each.name == "home-12-05")

@@ -67,6 +67,7 @@ def test_a_ring_has_no_voids(tmp_path: Path) -> None:
         next(generate(6, grammar=grammar))
 
 
+@pytest.mark.second_part("large plans")
 def test_a_dissection_of_twelve_rooms_is_soon_found_and_the_same_whatever_was_made_before() -> None:
     builder = Builder(find(DISSECTION))
     begin = time.process_time()

@@ -37,6 +37,7 @@ def types(house: House, door: Door) -> frozenset[str]:
     return frozenset(OUTSIDE if name == OUTSIDE else house.room(name).type for name in door.between)
 
 
+@pytest.mark.second_part("many houses")
 def test_doors_are_as_wide_as_their_pair_of_types_says_either_way_round(tmp_path: Path) -> None:
     met: set[frozenset[str]] = set()
     for house in generate(rooms=7, grammar=grammar(tmp_path / "doors", CLAUSES), count=12):

@@ -62,6 +62,7 @@ def test_check_finds_a_desk_out_of_line_by_geometry(tmp_path: Path) -> None:
     assert any("uneven rows" in line for line in check(msgspec.structs.replace(house, rooms=rooms)))
 
 
+@pytest.mark.second_part("a long proof")
 def test_a_proof_names_that_rows_are_even(tmp_path: Path) -> None:
     """Seven desks are no grid, and no row of at most four."""
     with pytest.raises(Unsatisfiable) as proof:

@@ -63,6 +63,7 @@ def has_free_square(room: Room, side: float) -> bool:
     return False
 
 
+@pytest.mark.second_part("many houses")
 def test_a_wheelchair_turns_in_the_rooms_that_are_to_have_a_free_square(tmp_path: Path) -> None:
     made = houses(builder(tmp_path / "mine", lengths="turning(bathroom, 1.5).\nturning(bedroom, 1.4).\n"))
     wanted = {"bathroom": 1.5, "bedroom": 1.4}

@@ -67,6 +67,7 @@ def on_edge(window: Window, room: Room) -> bool:
     )
 
 
+@pytest.mark.second_part("many houses")
 def test_rooms_have_windows_and_doors_towards_a_balcony_and_no_dark_one_is_left(tmp_path: Path) -> None:
     folder = shutil.copytree(SHIPPED / "home", tmp_path / "mine")
     (folder / "more.lp").write_text(BALCONY)

@@ -120,6 +120,7 @@ def test_doors_of_a_plan_that_the_rules_forbid_are_named_in_the_proof(home: Buil
             read_plan(replace(house, doors=(*others, astray)))
 
 
+@pytest.mark.second_part("a long proof")
 def test_a_room_that_cannot_be_furnished_is_proved_by_the_room_the_pieces_and_the_rules(
     home: Builder,
 ) -> None:

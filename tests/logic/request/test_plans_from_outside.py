@@ -42,6 +42,7 @@ def _no_warning_is_lost():
         yield
 
 
+@pytest.mark.second_part("a thousand houses")
 def test_a_thousand_houses_are_read_back_from_each_format_as_they_were_written(tmp_path: Path) -> None:
     """Homes are also read as plans: they have the same walls, and the same rooms side by side."""
     counts = 0
