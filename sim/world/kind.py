@@ -81,7 +81,7 @@ class WorldKind:
     """True if episodes that begin automatically use the options ``next_wholes`` and ``next_reals``."""
 
     overlays: tuple[type, ...] = ()
-    """What lies over the houses: see ``sim.backends.overlay``."""
+    """Classes of overlays on the houses: see ``sim.backends.overlay``."""
 
     @property
     def knows_distance(self) -> bool:
