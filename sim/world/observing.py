@@ -79,6 +79,8 @@ class Observing:
                 distance[r], kind[r] = self.disturbed(state, ray + r, distance[r], kind[r], noise, dropout)
         at = e * ti.static(self.config.rays) + ray
         if ti.static(self.config.channels == 2):
+            # Both columns of a ray are written as one number of 64 bits. Rows of such numbers are stored by
+            # vector instructions; two float32 in turn would be scattered.
             pairs = ti.Vector([ti.u64(0) for _ in range(ti.static(lanes))])
             for r in range(ti.static(lanes)):
                 first = ti.bit_cast(distance[r] * ti.static(1 / self.config.range), ti.u32)
