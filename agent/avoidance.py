@@ -16,7 +16,7 @@ from torch import Tensor
 from vitruvius.sim.actions import ACTIONS, FORWARD, LEFT, RIGHT
 from vitruvius.sim.config import Config
 
-SPREAD = 3.0
+NOISE_DEVIATIONS = 3.0
 """Margin for noise, in standard deviations."""
 
 
@@ -64,8 +64,8 @@ class Shield:
         ``device`` is the observations' device.
         """
         self.distance, self.door = distance, door
-        self.apart, self.tolerance = pair(noise), 1e-4 + SPREAD * 2**0.5 * noise
-        self.most = 1 - SPREAD * noise / ray_range
+        self.apart, self.tolerance = pair(noise), 1e-4 + NOISE_DEVIATIONS * 2**0.5 * noise
+        self.most = 1 - NOISE_DEVIATIONS * noise / ray_range
         clear = clearance(angles, body, step, margin) / ray_range
         self.clear = torch.tensor(clear, dtype=torch.float32, device=device)
         self.at_door = 1.5 * self.clear.amax(0)

@@ -29,7 +29,7 @@ def vitruvius(*arguments: str) -> None:
     from vitruvius import cli
     from vitruvius.agent.runs import runs
 
-    runs.SAVE_EVERY = 0.0
+    runs.SAVE_SECONDS = 0.0
     sys.argv = ["vitruvius", *arguments]
     cli.main()
 

@@ -48,7 +48,7 @@ def test_the_bounds_that_the_page_states_are_those_of_the_readers():
         f"cross {MAX_CROSSINGS:,} times, and {of_rooms:,} along the axes",
         f"{parts.MAX_HOUSE_PIECES:,} pieces in all rooms",
         f"{occupancy.MAX_RUNS:,} runs of equal cells",
-        f"{released.MOST_BYTES // mebi} MiB, {released.MOST_HEADER // mebi} MiB of header",
+        f"{released.MAX_BYTES // mebi} MiB, {released.MAX_HEADER_BYTES // mebi} MiB of header",
     ):
         assert words in PAGE
 

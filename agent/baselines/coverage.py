@@ -20,13 +20,13 @@ from vitruvius.sim.world.arrays import HOUSE
 from vitruvius.sim.world.episodes import Episodes, loaded
 from vitruvius.sim.world.world import World
 
-FAR_OFF = 1e6
+FAR_OFF_M = 1e6
 """Coordinate in metres of a placeholder target, which is so far away that it hides nothing."""
 
 WORD = 64
 """Number of spots in a word of bits."""
 
-PITCH = 0.29
+SPOT_PITCH_M = 0.29
 """Approximate distance between the spots of ``Coverage``, in metres; the actual distance is a whole number of
 steps."""
 
@@ -68,7 +68,7 @@ class LineOfSight:
     @ti.func
     def distances(self, world: ti.template(), house, origin, cell):
         """Return the length of each ray, in metres, if no target stops it."""
-        nowhere = ti.Vector([ti.f32(FAR_OFF), ti.f32(FAR_OFF)])
+        nowhere = ti.Vector([ti.f32(FAR_OFF_M), ti.f32(FAR_OFF_M)])
         distance, _ = self.backend.see(world.numbers, world.indices, house, origin, cell, nowhere, 0)
         return distance
 
@@ -158,8 +158,8 @@ class FreeLineOfSight(LineOfSight):
 class Coverage:
     """Fraction of its house that each of E environments has looked at, and the rooms it has been in.
 
-    The spots are the places where this world's targets may lie, on a square grid of ``PITCH``. Only for the
-    CPU.
+    The spots are the places where this world's targets may lie, on a square grid of ``SPOT_PITCH_M``. Only
+    for the CPU.
     """
 
     def __init__(self, envs: HouseVectorEnv) -> None:
@@ -172,7 +172,7 @@ class Coverage:
             raise ValueError(
                 "coverage is of looks through doorways: give it environments with closed_doors=0"
             )
-        pitch = in_steps(PITCH, self.world)
+        pitch = in_steps(SPOT_PITCH_M, self.world)
         spots = [here.targets[here.spread(pitch)] for here in self.world.places]
         self.arrays = {
             "spots": Array.of(np.concatenate(spots).ravel()),

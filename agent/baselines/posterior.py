@@ -25,7 +25,7 @@ plan."""
 Notes = ti.types.ndarray(ti.types.vector(5, ti.i32), 1)
 Points = ti.types.ndarray(ti.types.vector(2, ti.f32), 1)
 
-AT_ONCE = 32
+MAX_PLANNING = 32
 """Number of environments that plan together; it bounds the memory of their tables."""
 
 
@@ -48,7 +48,7 @@ def posterior_arrays(world: World, prior: Uniform, views: np.ndarray, more: np.n
         "origins": Array.of(origins_of(world)),
         "shown": Array(ti.u64, int(views.sum() * words)),
         "left": Array(ti.u64, count * -(-int(sizes[0].max()) // WORD)),
-        "sampled": Array(ti.u64, int(min(count, AT_ONCE) * words)),
+        "sampled": Array(ti.u64, int(min(count, MAX_PLANNING) * words)),
         "weights": Array.of(np.ones(count * words, np.float32)),
         "notes": Array(ti.i32, count, 5),
         "last": Array(ti.f32, count, 2),

@@ -7,13 +7,13 @@ from torch import Tensor, nn
 from vitruvius.agent.avoidance import Layer, random_preference, subsume
 from vitruvius.sim.actions import ACTIONS, FORWARD, LEFT, RIGHT
 
-FULL_TURN, WALK, DETOUR = 8, 64, 16
+FULL_TURN_STEPS, WALK_STEPS, DETOUR_STEPS = 8, 64, 16
 """Turns of a look all around; steps from one such look to the next; random steps around an obstacle."""
 
 WANTED = 1e6
 """Preference above all random ones."""
 
-AHEAD = np.deg2rad(22.5)
+MAX_AHEAD_RAD = np.deg2rad(22.5)
 """Angle to a target, in radians, above which the next heading is nearer to it."""
 
 
@@ -38,11 +38,13 @@ class Script:
         """Return actions (E,) int64 for observations (E, R, C) and the mask (E,) bool ``blocked``."""
         allowed, seen = self.avoidance(observation, blocked), observation[..., -1]
         aside = (seen * self.angles).sum(-1) / seen.sum(-1).clamp(min=1)
-        towards = torch.where(aside > AHEAD, LEFT, torch.where(aside < -AHEAD, RIGHT, FORWARD))
+        towards = torch.where(
+            aside > MAX_AHEAD_RAD, LEFT, torch.where(aside < -MAX_AHEAD_RAD, RIGHT, FORWARD)
+        )
         sight = seen.any(-1)
         stuck = sight & (towards == FORWARD) & ~allowed[..., FORWARD]
-        self.detour = torch.where(stuck, DETOUR, (self.detour - 1).clamp(min=0))
-        going, around = sight & (self.detour == 0), ~sight & (self.time % WALK < FULL_TURN)
+        self.detour = torch.where(stuck, DETOUR_STEPS, (self.detour - 1).clamp(min=0))
+        going, around = sight & (self.detour == 0), ~sight & (self.time % WALK_STEPS < FULL_TURN_STEPS)
         self.time = torch.where(going, 0, self.time + 1)
 
         wanted = nn.functional.one_hot(torch.where(going, towards, LEFT), ACTIONS)

@@ -13,16 +13,24 @@ from typing import Any
 import numpy as np
 
 from vitruvius.agent.baselines.coverage import LineOfSight, in_steps
-from vitruvius.agent.baselines.posterior import AT_ONCE, DONE, KNOWN, LENGTH, VIEW, posterior_arrays, starts
+from vitruvius.agent.baselines.posterior import (
+    DONE,
+    KNOWN,
+    LENGTH,
+    MAX_PLANNING,
+    VIEW,
+    posterior_arrays,
+    starts,
+)
 from vitruvius.agent.baselines.priors import PRIORS, PriorName
-from vitruvius.agent.baselines.view_planner import LINES, PLACE, REPLAN, SearcherArrays, ViewPlanner
+from vitruvius.agent.baselines.view_planner import LINES, PLACE, REPLAN_STEPS, SearcherArrays, ViewPlanner
 from vitruvius.sim.environment.vector import HouseVectorEnv
 from vitruvius.sim.runtime import Array, Launch, Longs, kernel, start, ti
 from vitruvius.sim.tasks.survey import survey
 from vitruvius.sim.world.episodes import Episodes, loaded
 from vitruvius.sim.world.world import World
 
-VIEWS, SAMPLES = 0.57, 0.29
+VIEW_PITCH_M, SAMPLE_PITCH_M = 0.57, 0.29
 """Approximate distances, in metres, between the viewpoints, and between the samples of the target's places;
 the actual distances are whole numbers of steps. The samples serve to compare viewpoints, while the posterior
 covers all places."""
@@ -37,7 +45,7 @@ class Searcher:
     def __init__(self, envs: HouseVectorEnv, prior: PriorName = "task", pitch: int | None = None) -> None:
         """Survey the houses, and find what a look from each viewpoint would show.
 
-        ``pitch``: steps between viewpoints, by default about ``VIEWS`` metres. ``prior``: ``task`` for the
+        ``pitch``: steps between viewpoints, by default about ``VIEW_PITCH_M``. ``prior``: ``task`` for the
         task's distribution of targets; ``floor`` for all free floor, without knowledge of the task; ``finds``
         for the task's regions, with probabilities that it learns from the found targets. Raises
         ``ValueError`` for a prior that the task does not allow.
@@ -48,17 +56,17 @@ class Searcher:
             raise ValueError("a searcher looks through doorways: give it environments with closed_doors=0")
         world, count = self.world, self.world.num_envs
         tables = survey(world.backend, world.bank, list(range(len(world.places))), world.lattices)
-        self.prior = PRIORS[prior](world, tables, in_steps(SAMPLES, world))
-        pitch = pitch or in_steps(VIEWS, world)
+        self.prior = PRIORS[prior](world, tables, in_steps(SAMPLE_PITCH_M, world))
+        pitch = pitch or in_steps(VIEW_PITCH_M, world)
         shapes = np.array([table.moves.shape for table in tables])
         sizes, views = np.prod(shapes, axis=1), 8 * np.prod(-(-shapes // pitch), axis=1)
-        poses, slots = 8 * int(sizes.max()), min(count, AT_ONCE)
+        poses, slots = 8 * int(sizes.max()), min(count, MAX_PLANNING)
         more = np.column_stack([starts(sizes), shapes])
         self.arrays = posterior_arrays(world, self.prior, views, more) | {
             "moves": Array.of(np.concatenate([table.moves.ravel() for table in tables])),
             "distance": Array(ti.u16, slots * poses),
             "queue": Array(ti.i32, slots * poses),
-            "plan": Array(ti.u8, count * REPLAN),
+            "plan": Array(ti.u8, count * REPLAN_STEPS),
             "answer": Array(ti.i64, count),
         }
         kernels = _kernels(start(), world.kernels.episodes, pitch)
@@ -88,7 +96,7 @@ def _kernels(program: Any, episodes: Episodes, pitch: int) -> dict[str, Any]:
     @kernel
     def prepare(world: episodes.Arrays, search: SearcherArrays):
         """Find the samples that each view of each house shows."""
-        words = search.sampled.shape[0] // ti.min(ti.static(AT_ONCE), search.notes.shape[0])
+        words = search.sampled.shape[0] // ti.min(ti.static(MAX_PLANNING), search.notes.shape[0])
         for view in range(search.shown.shape[0] // (8 * words)):
             house = planner.house_of(search, 8 * view)
             row, corner = search.rows[house], planner.corner(search, house)
@@ -105,7 +113,7 @@ def _kernels(program: Any, episodes: Episodes, pitch: int) -> dict[str, Any]:
     def act(world: episodes.Arrays, search: SearcherArrays, answer: Longs):
         """Look, exclude what is seen, plan again at the end of a plan, and write the next action."""
         count = world.reals.shape[0]
-        lanes = ti.min(ti.static(AT_ONCE), count)
+        lanes = ti.min(ti.static(MAX_PLANNING), count)
         ti.loop_config(block_dim=1)
         for slot in range(lanes):
             for turn in range((count - slot + lanes - 1) // lanes):
@@ -116,7 +124,7 @@ def _kernels(program: Any, episodes: Episodes, pitch: int) -> dict[str, Any]:
                     note[LENGTH] = planner.plan(world, search, e, slot, lanes, state, note[KNOWN])
                 answer[e] = 0
                 if note[LENGTH] > 0:
-                    answer[e] = ti.cast(search.plan[e * ti.static(REPLAN) + note[DONE]], ti.i64)
+                    answer[e] = ti.cast(search.plan[e * ti.static(REPLAN_STEPS) + note[DONE]], ti.i64)
                 note[DONE] += 1
                 search.notes[e] = note
 

@@ -10,7 +10,7 @@ from vitruvius.agent.baselines.coverage import WORD, LineOfSight, bit
 from vitruvius.agent.baselines.posterior import SPOT, SPOTS, VIEW, Notes, Points, Posterior, Rows
 from vitruvius.sim.runtime import Bytes, Floats, Ints, Shorts, Words, ti
 
-REPLAN = 48
+REPLAN_STEPS = 48
 """Number of steps until the searcher plans again: observations on its path may have made another viewpoint
 better."""
 
@@ -173,7 +173,7 @@ class ViewPlanner(Posterior):
         """Trace the path back from a goal and write its first actions. Return their number."""
         pose = goal
         away = ti.cast(search.distance[base + pose], ti.i32) - 1
-        length = ti.min(away, ti.static(REPLAN))
+        length = ti.min(away, ti.static(REPLAN_STEPS))
         while away > 0:
             place, heading = pose >> 3, pose & 7
             forward = self.headings[heading]
@@ -191,6 +191,6 @@ class ViewPlanner(Posterior):
                 if search.distance[base + before] != away:
                     before, action = 8 * place + (heading + 1 & 7), 1
             pose, away = before, away - 1
-            if away < ti.static(REPLAN):
-                search.plan[e * ti.static(REPLAN) + away] = ti.cast(action, ti.u8)
+            if away < ti.static(REPLAN_STEPS):
+                search.plan[e * ti.static(REPLAN_STEPS) + away] = ti.cast(action, ti.u8)
         return length

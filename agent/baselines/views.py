@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from vitruvius.agent.baselines.coverage import LineOfSight
-from vitruvius.agent.baselines.posterior import AT_ONCE
+from vitruvius.agent.baselines.posterior import MAX_PLANNING
 from vitruvius.agent.baselines.searcher import Searcher
 from vitruvius.agent.baselines.view_planner import COLUMNS, LINES, VIEWPOINT_COST, SearcherArrays, ViewPlanner
 from vitruvius.sim.actions import HEADINGS
@@ -106,7 +106,7 @@ def _kernels(program: Any, episodes: Episodes, pitch: int, side: int) -> tuple[A
     ):
         """Search for paths to all poses, and write the values that are asked for."""
         count = asked.shape[0]
-        lanes = ti.min(ti.static(AT_ONCE), count)
+        lanes = ti.min(ti.static(MAX_PLANNING), count)
         words = search.sampled.shape[0] // lanes
         ti.loop_config(block_dim=1)
         for slot in range(lanes):

@@ -36,7 +36,7 @@ from vitruvius.sim.tasks.tasks import task
 from vitruvius.sim.tasks.terms import counted
 from vitruvius.sim.tasks.words import in_words
 
-PART = 256
+PART_HOUSES = 256
 """Number of houses that are played together: all of a frozen bank; a larger bank is played in parts."""
 
 
@@ -80,9 +80,9 @@ def measure(
     ``free``, ``baselines`` names some of ``DRIVING_BASELINES``, and figures are shares of the true path's.
     ``world`` names the simulator's preset for all policies. Each policy keeps its own sensor; the policies
     that know their pose (searcher, oracle, true path) play without noise and slips. ``episodes`` is the
-    number of episodes in each house in which the task can be played (``environments.playable``). ``PART``
-    houses form a part; a ``cluster`` plays the parts as its tasks, with the same figures. ``report`` receives
-    the progress.
+    number of episodes in each house in which the task can be played (``environments.playable``). A
+    ``cluster`` plays parts of ``PART_HOUSES`` as its tasks, with the same figures. ``report`` receives the
+    progress.
 
     Raises ``HouseFileError`` if a mode cannot be played in one of the houses, or if a house has too many
     corners for the true path. Raises ``RequestError`` for an agent whose kind of motion or whose drive limits
@@ -96,9 +96,9 @@ def measure(
     for mode in modes:
         suited = playable(houses, mode, backend=backend)
         words = in_words(mode, looks_of(suited[0]).name)
-        firsts = range(0, len(suited), PART)
+        firsts = range(0, len(suited), PART_HOUSES)
         for first in firsts:
-            some, begins = suited[first : first + PART], seed + first * episodes
+            some, begins = suited[first : first + PART_HOUSES], seed + first * episodes
             parts.append(EvaluationPart(agents, some, mode, words, begins, backend, names, world, episodes))
         numbers.append(len(firsts))
     found = _on_cluster(parts, report, cluster) if cluster else _here(parts, report)

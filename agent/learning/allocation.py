@@ -5,7 +5,7 @@ import ctypes
 TRIM, MAPPED = -1, -3
 """Options of glibc's mallopt: see its manual, M_TRIM_THRESHOLD and M_MMAP_THRESHOLD."""
 
-LARGEST = 1 << 25
+MAX_BLOCK_BYTES = 1 << 25
 """Size of the largest block that the process keeps, in bytes: the largest that all versions of glibc
 accept."""
 
@@ -17,5 +17,5 @@ def keep_freed_memory() -> None:
     find and clear every page again for the next update.
     """
     if mallopt := getattr(ctypes.CDLL(None), "mallopt", None):
-        mallopt(MAPPED, LARGEST)
+        mallopt(MAPPED, MAX_BLOCK_BYTES)
         mallopt(TRIM, (1 << 31) - 1)

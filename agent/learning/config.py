@@ -13,13 +13,13 @@ import tyro
 from vitruvius.logic.errors import RequestError
 from vitruvius.logic.request.counts import whole
 
-MOST_SEED = 2**62 - 1
+MAX_SEED = 2**62 - 1
 """Largest seed: environments and houses count up from it, and their seeds have 64 bits."""
 
 TargetMode = Literal["main", "secondary", "mixed"]
 """Location of the targets: in the main room, in secondary rooms, or in both."""
 
-MOST_HALF_LIVES = 64
+MAX_HALF_LIVES = 64
 """Largest number of half-lives of a memory; the presets have four."""
 
 TARGET_MODES: tuple[TargetMode, ...] = get_args(TargetMode)
@@ -140,7 +140,7 @@ class TrainConfig:
         for name in self.fractions:
             if not 0 <= getattr(self, name) <= 1:
                 raise RequestError(f"{name} must lie between 0 and 1, not {getattr(self, name)}")
-        whole("seed", self.seed, 0, MOST_SEED)
+        whole("seed", self.seed, 0, MAX_SEED)
 
 
 @dataclass(frozen=True)
@@ -193,8 +193,8 @@ class QLearningConfig(TrainConfig):
         super().__post_init__()
         if self.module and ":" not in self.module:
             raise RequestError(f"module: give module:Class, not {self.module!r}")
-        if len(self.half_lives) > MOST_HALF_LIVES:
-            raise RequestError(f"half_lives are at most {MOST_HALF_LIVES}, not {len(self.half_lives)}")
+        if len(self.half_lives) > MAX_HALF_LIVES:
+            raise RequestError(f"half_lives are at most {MAX_HALF_LIVES}, not {len(self.half_lives)}")
         if not all(0 < half_life < inf for half_life in self.half_lives):
             raise RequestError(f"half_lives must be above 0 and finite, not {self.half_lives}")
 

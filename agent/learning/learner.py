@@ -19,10 +19,10 @@ from vitruvius.logic import House
 from vitruvius.logic.errors import RequestError, VitruviusError
 from vitruvius.sim import HouseVectorEnv
 
-EPISODE = 1500
+EPISODE_STEPS = 1500
 """Number of steps to which counts of targets refer: the paper's 15 s."""
 
-DIVERGED = 1e4
+MAX_LOSS = 1e4
 """Loss above which training has failed: the largest possible return is about 100."""
 
 
@@ -137,7 +137,7 @@ class Learner(ABC):
         self.network: Any = self.network_of(config).to(config.device)
         self.avoidance = layer_of(config, envs, self.generator)
         self.steps, self.clock, self.simulating = 0, Clock(), Stopwatch(config.device)
-        self.recent: deque[tuple[float, float]] = deque(maxlen=max(1, round(EPISODE / report)))
+        self.recent: deque[tuple[float, float]] = deque(maxlen=max(1, round(EPISODE_STEPS / report)))
 
     @property
     def houses(self) -> Sequence[House]:
@@ -157,7 +157,7 @@ class Learner(ABC):
         """
         while self.fraction < 1:
             now = self.iterate()
-            if not abs(now.loss) <= DIVERGED:  # true for NaN, too
+            if not abs(now.loss) <= MAX_LOSS:  # true for NaN, too
                 raise Diverged(f"the loss is {now.loss:g} after {now.steps:,} steps")
             yield now
 
@@ -218,7 +218,7 @@ class Learner(ABC):
             steps=self.steps,
             seconds=clock.all,
             fraction=self.fraction,
-            targets=EPISODE * recent_targets / max(1, recent_steps),
+            targets=EPISODE_STEPS * recent_targets / max(1, recent_steps),
             loss=loss,
             epsilon=epsilon,
             overruled=overruled / max(1, steps),

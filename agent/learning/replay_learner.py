@@ -11,7 +11,7 @@ from vitruvius.agent.learning.learner import Learner, Progress, Tally
 from vitruvius.agent.learning.replay import ReplayBuffer
 from vitruvius.sim import HouseVectorEnv
 
-REPORT = 128
+REPORT_STEPS = 128
 """Steps of every environment between two reports."""
 
 
@@ -29,7 +29,7 @@ class ReplayLearner(Learner):
 
     def __init__(self, config: Any, envs: HouseVectorEnv) -> None:
         """Begin a run; ``envs`` has the environments and the world of ``config``, and NEXT_STEP autoreset."""
-        super().__init__(config, envs, report=REPORT)
+        super().__init__(config, envs, report=REPORT_STEPS)
         self.updates, self.tally = 0, Tally()
         self.reset_envs()
 
@@ -47,7 +47,7 @@ class ReplayLearner(Learner):
     def iterate(self) -> Progress:
         """Step all environments and learn, up to the next report."""
         start, losses, self.tally = perf_counter(), [], Tally()
-        for _ in range(REPORT):
+        for _ in range(REPORT_STEPS):
             losses += self.step()
         self.clock.all += perf_counter() - start
         loss = float(torch.stack(losses).mean()) if losses else 0.0

@@ -8,7 +8,7 @@ from vitruvius.agent.planner.paths import FAR, Paths
 from vitruvius.agent.planner.viewpoints.choice import Viewpoints
 from vitruvius.sim.runtime import ti
 
-NEXT = 2
+ARRIVED_HALF_CELLS = 2
 """Half cells from a viewpoint within which a body that drives has arrived."""
 
 
@@ -66,7 +66,9 @@ class Goal:
             gx, gy = self.occupancy.across(state.goal), self.occupancy.down(state.goal)
             done = ti.cast((state.look == state.heading) & (far == 0), ti.i32)
             if ti.static(self.drives):
-                done = ti.cast((state.look == state.heading) & (state.aligned > 0) & (far <= NEXT), ti.i32)
+                done = ti.cast(
+                    (state.look == state.heading) & (state.aligned > 0) & (far <= ARRIVED_HALF_CELLS), ti.i32
+                )
             if state.look < 0:
                 done = 1 - self.occupancy.hides(memory, base, gx, gy, state.since)
             done |= ti.cast(state.plan_age > ti.static(self.config.replan_interval), ti.i32)

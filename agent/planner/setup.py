@@ -7,7 +7,7 @@ import numpy as np
 from vitruvius.agent.planner.core.body import BodyModel
 from vitruvius.agent.planner.core.config import PlannerConfig
 from vitruvius.agent.planner.core.state import SIZE
-from vitruvius.agent.planner.mapping.occupancy import LATEST, TILE, number_type
+from vitruvius.agent.planner.mapping.occupancy import MAX_STEP, TILE, number_type
 from vitruvius.agent.planner.mapping.visibility import FINE
 from vitruvius.agent.planner.paths import FAR
 from vitruvius.agent.planner.viewpoints.choice import views
@@ -40,8 +40,8 @@ class Setup(NamedTuple):
 
 def require_time(world: Config) -> None:
     """Raise ``ValueError`` for episodes with more steps than a cell can store."""
-    if world.steps > LATEST - 2:
-        raise ValueError(f"a cell has room for episodes of {LATEST - 2:,} steps, not of {world.steps:,}")
+    if world.steps > MAX_STEP - 2:
+        raise ValueError(f"a cell has room for episodes of {MAX_STEP - 2:,} steps, not of {world.steps:,}")
 
 
 def body_model(world: Config, cell: float, step: int, *, errs: bool, prior: bool, led: bool) -> BodyModel:

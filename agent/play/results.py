@@ -18,7 +18,7 @@ from vitruvius.logic.spelling import quoted
 ENDINGS = (".jsonl",)
 """Suffixes of files of results."""
 
-MAX_BYTES, MOST_GAMES = 1 << 28, 1 << 20
+MAX_BYTES, MAX_GAMES = 1 << 28, 1 << 20
 """Largest size of an uncompressed file, in bytes and in lines."""
 
 MAX_ACTIONS = 1 << 16
@@ -69,8 +69,8 @@ def load(path: Path) -> list[PlayedGame]:
         lines = content_of(path, MAX_BYTES).splitlines()
     except OSError as error:
         raise ResultsError(f"{path}: cannot be read: {error.strerror or error}") from None
-    if len(lines) > MOST_GAMES:
-        raise ResultsError(f"{path}: holds more than {MOST_GAMES:,} games")
+    if len(lines) > MAX_GAMES:
+        raise ResultsError(f"{path}: holds more than {MAX_GAMES:,} games")
     games = []
     for number, line in enumerate(lines, start=1):
         try:

@@ -24,7 +24,7 @@ HEAD, GAP, EDGE = 64, 12, 16
 MIN_WIDTH = 320
 """Least width of the column of a plan, in pixels: a policy's name also fits above a narrower plan."""
 
-LARGE, SMALL, LEAST = 40, 26, 12
+LARGE_PX, SMALL_PX, MIN_PX = 40, 26, 12
 """Font sizes, in pixels: names and scores, instructions, and the smallest size for text in a narrow space."""
 
 FRAME = 80
@@ -253,7 +253,7 @@ class GameWindow:
         """Show scores and, as the last line, the keys. Return True after Enter, False after Esc."""
         width, height = self.surface.get_size()
         room = width - 4 * EDGE, height // (len(lines) + 2)
-        shown = [fitted(line, LARGE if line is not lines[-1] else SMALL, room, WORDS) for line in lines]
+        shown = [fitted(line, LARGE_PX if line is not lines[-1] else SMALL_PX, room, WORDS) for line in lines]
         tall = sum(each.get_height() + GAP for each in shown) + GAP
         card = pygame.Rect(0, 0, max(each.get_width() for each in shown) + 2 * EDGE, tall)
         card.center = width // 2, height // 2
@@ -287,10 +287,10 @@ class GameWindow:
         for panel, (name, scene) in zip(panels, scenes, strict=True):
             width = max(MIN_WIDTH, panel.size[0])
             panel.draw(self.surface, (corner + (width - panel.size[0]) // 2, HEAD), scene)
-            score = fitted(f"{name}: {scene.found}", LARGE, (width - EDGE, 30), WORDS)
+            score = fitted(f"{name}: {scene.found}", LARGE_PX, (width - EDGE, 30), WORDS)
             self.surface.blit(score, (corner + EDGE, 6))
             corner += width + GAP
-        said = fitted(words, SMALL, (self.surface.get_width() - 2 * EDGE, HEAD - 36), DIM)
+        said = fitted(words, SMALL_PX, (self.surface.get_width() - 2 * EDGE, HEAD - 36), DIM)
         self.surface.blit(said, (EDGE, 36))
         pygame.display.flip()
 
@@ -302,11 +302,11 @@ class GameWindow:
 
 def fitted(words: str, size: int, room: tuple[int, int], colour: tuple[int, int, int]) -> pygame.Surface:
     """Return words in the largest font size that fits ``room`` (width, height), in one or more lines."""
-    for letters in range(size, LEAST - 1, -1):
+    for letters in range(size, MIN_PX - 1, -1):
         text = pygame.font.Font(None, letters).render(words, True, colour, wraplength=room[0])
         if text.get_width() <= room[0] and text.get_height() <= room[1]:
             return text
-    return pygame.font.Font(None, LEAST).render(words, True, colour, wraplength=room[0])
+    return pygame.font.Font(None, MIN_PX).render(words, True, colour, wraplength=room[0])
 
 
 def _is_end(event: pygame.event.Event) -> bool:

@@ -12,7 +12,7 @@ from vitruvius.agent.policies.network import QNetwork
 from vitruvius.sim.actions import ACTIONS, FORWARD
 from vitruvius.sim.config import DEFAULT, Config
 
-MIDDLE = slice(18, 21)
+MIDDLE_RAYS = slice(18, 21)
 """Rays that make an exploring body of the original go forward if they see the target."""
 
 
@@ -221,9 +221,9 @@ def epsilon_greedy(q: Tensor, chosen: Tensor, random: Tensor) -> Tensor:
 
 
 def home(preference: Tensor, observation: Tensor) -> Tensor:
-    """Return preferences (E, A) with forward on top if a ``MIDDLE`` ray sees the target.
+    """Return preferences (E, A) with forward on top if a ``MIDDLE_RAYS`` ray sees the target.
 
     ``observation`` is (E, R, C). This is the original's rule for random actions.
     """
-    seen = observation[:, MIDDLE, -1].amax(-1, keepdim=True) > 0
+    seen = observation[:, MIDDLE_RAYS, -1].amax(-1, keepdim=True) > 0
     return preference.masked_fill(seen & (torch.arange(ACTIONS, device=seen.device) == FORWARD), torch.inf)

@@ -22,7 +22,7 @@ OCCUPIED, VIEWPOINT = (51, 58, 69), (140, 70, 160)
 TRUE = (200, 60, 50)
 """Colour of the house's true lines, which are shown if a network predicts unseen ground."""
 
-PALE = 0.3
+PALE_INTENSITY = 0.3
 """Intensity of floor without targets, relative to certain floor with targets."""
 
 KEY = (
@@ -101,12 +101,12 @@ def _likely(planner: Planner) -> np.ndarray:
     """Return the probability, 0 to 1, that a target may lie on a block if the block was never seen.
 
     Blocks (S / 2, S / 2) are those of the first environment. Floor that is predicted without a target counts
-    ``PALE``.
+    ``PALE_INTENSITY``.
     """
     if not planner.body.prior:
         return planner.unseen_floor(0) / CERTAIN
     counts = planner.foreseen(0)
-    return np.maximum(counts / CERTAIN, PALE * (counts > 0))
+    return np.maximum(counts / CERTAIN, PALE_INTENSITY * (counts > 0))
 
 
 def beside(house: Image.Image, map_: Image.Image, foresees: bool = False) -> Image.Image:

@@ -10,14 +10,14 @@ from vitruvius.agent.planner.belief_map import BeliefMap
 from vitruvius.agent.planner.core.frame import metres, quarters
 from vitruvius.agent.policies.episodes import Moment
 from vitruvius.agent.policies.policies import Explorer, QPolicy
-from vitruvius.agent.recording.trace import AROUND, FORMAT, Map, Packed, Sensor, Trace, packed
+from vitruvius.agent.recording.trace import FORMAT, MARGIN_M, Map, Packed, Sensor, Trace, packed
 from vitruvius.logic import House
 from vitruvius.sim import HouseVectorEnv
 from vitruvius.sim.actions import ACTION_NAMES
 from vitruvius.sim.film import Scene
 from vitruvius.sim.geometry import geometry
 
-EVERY = 5
+PICTURE_STEPS = 5
 """Steps between two pictures of the map: 20 a second of the paper's 15 s."""
 
 
@@ -106,8 +106,8 @@ class _MapNotes:
     def __init__(self, house: House, planner: Planner) -> None:
         self.planner, self.belief_map = planner, BeliefMap(planner)
         west, north, east, south = geometry(house).bounds
-        self.corner = np.array([west, north]) - AROUND
-        size = (np.array([south - north, east - west]) + 2 * AROUND) / planner.cell
+        self.corner = np.array([west, north]) - MARGIN_M
+        size = (np.array([south - north, east - west]) + 2 * MARGIN_M) / planner.cell
         self.shape = tuple(np.ceil(size).astype(int) + 1)
         self.ground, self.belief = list[np.ndarray](), list[np.ndarray]()
         self.goals, self.kinds = list[np.ndarray](), list[int]()
@@ -121,7 +121,7 @@ class _MapNotes:
         self.kinds.append(kind)
         place = metres(self.pose, np.array(goal or (0, 0)), planner.cell)
         self.goals.append(np.rint(100 * place) if goal else np.zeros(2))
-        if step % EVERY == 0:
+        if step % PICTURE_STEPS == 0:
             self.ground.append(self._laid(_ground(planner)))
             known = bool(planner.read("known")[0])  # true: the target is there, and nowhere else
             belief = self.belief_map.read() * np.uint8(not known)
@@ -156,7 +156,7 @@ class _MapNotes:
         """Return all pictures."""
         west, north = self.pose[:2] + self.first * self.planner.cell
         ground, belief = (Packed.of(np.stack(each)) for each in (self.ground, self.belief))
-        return Map(EVERY, float(west), float(north), self.planner.cell, ground, belief)
+        return Map(PICTURE_STEPS, float(west), float(north), self.planner.cell, ground, belief)
 
 
 def _ground(planner: Planner) -> np.ndarray:

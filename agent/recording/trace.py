@@ -28,10 +28,10 @@ FORMAT = "vitruvius-trace-1"
 ENDING = ".trace.json"
 """Suffix of traces."""
 
-AROUND = 0.5
+MARGIN_M = 0.5
 """Margin around the house in pictures of a map, in metres: planners take some of the margin for floor."""
 
-MOST_BYTES, MOST_NUMBERS = 1 << 26, 1 << 26
+MAX_BYTES, MAX_NUMBERS = 1 << 26, 1 << 26
 """Largest size of an uncompressed file in bytes, and largest number of values in one of its arrays."""
 
 Count = Annotated[int, Meta(ge=0)]
@@ -61,8 +61,8 @@ class Packed(msgspec.Struct, frozen=True):
     def array(self) -> np.ndarray:
         """Return the array. Raises ``ValueError`` if the data do not match its type and shape."""
         kind, count = np.dtype(self.type), int(np.prod(self.shape, dtype=object))
-        if count > MOST_NUMBERS:
-            raise ValueError(f"an array of {count:,} numbers: {MOST_NUMBERS:,} are read at most")
+        if count > MAX_NUMBERS:
+            raise ValueError(f"an array of {count:,} numbers: {MAX_NUMBERS:,} are read at most")
         most = count * kind.itemsize
         packed = zlib.decompressobj()
         try:
@@ -196,7 +196,7 @@ def save(trace: Trace, path: str | Path) -> None:
 def load(path: Path) -> Trace:
     """Read a trace. Raises ``TraceError`` if it is absent, of another version or no trace."""
     try:
-        content = content_of(path, MOST_BYTES)
+        content = content_of(path, MAX_BYTES)
     except OSError as error:
         raise TraceError(f"{path}: cannot be read: {error.strerror or error}") from None
     try:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import msgspec
 
-from vitruvius.agent.recording.trace import AROUND, Trace, load
+from vitruvius.agent.recording.trace import MARGIN_M, Trace, load
 from vitruvius.agent.report.page import Section
 from vitruvius.logic import House
 from vitruvius.logic.drawing.canvas import Drawing, svg
@@ -30,9 +30,9 @@ def _player(path: Path, trace: Trace) -> str:
     """Return a trace, and the plan that it is played on; the page's script does the rest."""
     house = House.from_dict(trace.house)
     west, north, east, south = extent(house)
-    scale = SIZE / (max(east - west, south - north) + 2 * AROUND)
-    frame = Frame(scale, scale * (AROUND - west), scale * (AROUND - north))
-    width, height = (round(scale * (side + 2 * AROUND)) for side in (east - west, south - north))
+    scale = SIZE / (max(east - west, south - north) + 2 * MARGIN_M)
+    frame = Frame(scale, scale * (MARGIN_M - west), scale * (MARGIN_M - north))
+    width, height = (round(scale * (side + 2 * MARGIN_M)) for side in (east - west, south - north))
     plan = svg([((0, 0), Drawing(width, height, background(house, frame)))], width, height)
     found = int(trace.column("found")[-1])
     task = in_words(trace.mode, looks_of(house).name)

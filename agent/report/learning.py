@@ -10,13 +10,13 @@ import msgspec
 from vitruvius.agent.learning.learner import Progress
 from vitruvius.agent.report.page import Cell, ReportError, Section, details, inline, table
 from vitruvius.agent.report.plots import Axis, DataSeries, line_plot, slots, some
-from vitruvius.agent.runs.runs import MOST_METRICS, Folder
+from vitruvius.agent.runs.runs import MAX_METRICS_BYTES, Folder
 from vitruvius.logic.opener import content_of, from_json, opened
 
 MAX_CONFIG_BYTES = 1 << 20
 """Largest size of ``config.json``, in bytes."""
 
-POINTS = 300
+MAX_POINTS = 300
 """Largest number of points of a curve."""
 
 CURVES = (
@@ -69,8 +69,8 @@ class TrainingRun:
             raise ReportError(f"{here.config}: no configuration of a run: {error}") from None
         history = []
         if here.metrics.exists():
-            with opened(here.metrics, MOST_METRICS, unpack=False) as file:
-                for line in file.read(MOST_METRICS).splitlines():
+            with opened(here.metrics, MAX_METRICS_BYTES, unpack=False) as file:
+                for line in file.read(MAX_METRICS_BYTES).splitlines():
                     try:
                         history.append(from_json(line, Progress))
                     except (ValueError, RecursionError):
@@ -80,7 +80,7 @@ class TrainingRun:
     @property
     def thin(self) -> list[Progress]:
         """Some of the run's reports, including the last."""
-        return [self.history[k] for k in some(len(self.history), POINTS)]
+        return [self.history[k] for k in some(len(self.history), MAX_POINTS)]
 
     @property
     def state(self) -> str:

@@ -20,7 +20,7 @@ from vitruvius.logic.opener import DAMAGED, from_json, opened
 from vitruvius.logic.spelling import numbered
 from vitruvius.sim.tasks.words import in_words
 
-MOST = 1000
+MAX_PLANS = 1000
 """Largest number of plans in a report. If there are more houses, the plans are spread evenly over each
 file."""
 
@@ -49,7 +49,7 @@ def section(files: Sequence[Path], folder: Path) -> Section | None:
     if not banks:
         return None
     whole = sum(map(len, banks.values()))
-    every = -(-whole // MOST)
+    every = -(-whole // MAX_PLANS)
     plans = []
     for file, houses in banks.items():
         hash_ = bank_hash(houses) if measured else ""

@@ -25,7 +25,7 @@ SLOTS = {
 OTHERS = (0, 8, 9, 4, 6)
 """Colours of all other policies, in rotation."""
 
-LISTED = 30
+MAX_LISTED = 30
 """Largest number of points of a line in the table below its plot."""
 
 MIN_POSITIVE = 1e-100
@@ -113,7 +113,7 @@ def line_plot(title: str, x: Axis, y: Axis, series: Sequence[DataSeries], note: 
     rows = [
         [each.name, number(each.x[k]), number(each.y[k]), *_interval(each, k)]
         for each in series
-        for k in some(len(each.x), LISTED)
+        for k in some(len(each.x), MAX_LISTED)
     ]
     headings = ["line", x.label, y.label, *(["from", "to"] if any(each.low for each in series) else [])]
     return (

@@ -53,10 +53,10 @@ from vitruvius.sim import HouseRotation
 NOTHING = Watching()
 """Options of a run without evaluation, checkpoints and hook."""
 
-SAVE_EVERY = 30.0
+SAVE_SECONDS = 30.0
 """Seconds between two checkpoints."""
 
-MORE_STATE, MOST_METRICS, MAX_TENSORS = 1 << 24, 1 << 28, 1 << 16
+MAX_MORE_STATE_BYTES, MAX_METRICS_BYTES, MAX_TENSORS = 1 << 24, 1 << 28, 1 << 16
 """Bounds of a run's files: bytes of the uncompressed state beyond twice a new run's, bytes of the reports,
 and number of tensors."""
 
@@ -219,7 +219,7 @@ def _learn(
                 if writer:
                     writer.write(now)
                 age = ranks.first(inf if ends else perf_counter() - saved)
-                if age > SAVE_EVERY:
+                if age > SAVE_SECONDS:
                     _keep(learner, replace(made, steps=now.steps), folder)
                     saved = perf_counter()
                 if age == inf:
@@ -256,7 +256,7 @@ def _saved(value: Any) -> bytes:
 def _resumed(learner: Learner, folder: Folder) -> list[Progress]:
     """Restore the last saved state. Return the reports up to this state."""
     try:
-        most = ranks.size() * 2 * len(_saved(learner.state())) + MORE_STATE
+        most = ranks.size() * 2 * len(_saved(learner.state())) + MAX_MORE_STATE_BYTES
         content = content_of(folder.state, most)
         archive_of(content, most, MAX_TENSORS)  # torch unpacks compressed files of any size
         states = torch.load(io.BytesIO(content), weights_only=True)
@@ -269,8 +269,8 @@ def _resumed(learner: Learner, folder: Folder) -> list[Progress]:
     except Exception as error:  # damaged files raise many kinds of errors
         raise CheckpointError(f"{folder.state}: cannot be read: {reason(error)}") from None
     history = []
-    with opened(folder.metrics, MOST_METRICS, unpack=False) as file:
-        for line in io.BytesIO(file.read(MOST_METRICS)):
+    with opened(folder.metrics, MAX_METRICS_BYTES, unpack=False) as file:
+        for line in io.BytesIO(file.read(MAX_METRICS_BYTES)):
             try:
                 now = msgspec.json.decode(line, type=Progress)
             except ValueError:

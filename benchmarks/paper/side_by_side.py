@@ -17,7 +17,7 @@ from torch.nn.functional import one_hot
 from vitruvius.agent.algorithms.paper.config import PaperConfig
 from vitruvius.agent.algorithms.paper.learner import q_targets
 from vitruvius.agent.algorithms.paper.network import PaperNetwork
-from vitruvius.agent.policies.policies import MIDDLE
+from vitruvius.agent.policies.policies import MIDDLE_RAYS
 from vitruvius.sim import HouseVectorEnv
 from vitruvius.sim.actions import ACTIONS, FORWARD
 
@@ -122,7 +122,7 @@ class Actors:
         chosen, random, rotation = noise
         is_target = read[..., 2] > 0
         near = ((read[..., 1] < NEAR) & ~is_target).any(1) & self.avoids
-        homing = is_target[:, MIDDLE].any(1) & self.homing
+        homing = is_target[:, MIDDLE_RAYS].any(1) & self.homing
         _, q = forward(self.layers, torch.from_numpy(read).view(self.runs, -1, *read.shape[1:]))
         best = q.argmax(-1).flatten().numpy()
         return np.where(near, rotation, np.where(chosen, np.where(homing, FORWARD, random), best))

@@ -18,7 +18,7 @@ from vitruvius.agent.algorithms.search.chooser import best
 from vitruvius.agent.algorithms.search.values import TrueValues
 from vitruvius.agent.algorithms.search.windows import HEADINGS, PLACES, ViewMaps, views
 from vitruvius.agent.baselines.coverage import WORD, LineOfSight, bit
-from vitruvius.agent.baselines.posterior import AT_ONCE, SAMPLE, SAMPLED, SPOT, VIEW
+from vitruvius.agent.baselines.posterior import MAX_PLANNING, SAMPLE, SAMPLED, SPOT, VIEW
 from vitruvius.agent.baselines.view_planner import LINES, VIEWPOINT_COST, SearcherArrays, ViewPlanner
 from vitruvius.agent.baselines.views import ViewValues
 from vitruvius.agent.learning.environments import shield
@@ -150,7 +150,7 @@ def _kernel(program: Any, episodes: Episodes, pitch: int) -> Any:
     ):
         """Write the values of first views, each with the views that follow."""
         count = asked.shape[0]
-        lanes = ti.min(ti.static(AT_ONCE), count)
+        lanes = ti.min(ti.static(MAX_PLANNING), count)
         words = search.sampled.shape[0] // lanes
         ti.loop_config(block_dim=1)
         for slot in range(lanes):

@@ -23,10 +23,10 @@ from vitruvius.agent.algorithms.search.chooser import best, by_parts
 from vitruvius.agent.algorithms.search.config import SearchConfig
 from vitruvius.agent.algorithms.search.learner import LearnedSearch
 from vitruvius.agent.algorithms.search.network import (
-    DENSE,
-    HARDLY,
+    MIN_SHOWN,
     PASSES,
     SIZES,
+    TARGET_BLOCKS,
     TARGETS,
     cost,
     hides,
@@ -138,7 +138,7 @@ class Judge(LearnedSearch):
         true_shows = torch.where(spent > 0, worth * spent / SCALE, 0.0)
         true_cost = torch.where(spent > 0, spent, torch.inf)
         sight = torch.from_numpy(house.solid == 0).float()
-        prior = DENSE * torch.from_numpy(house.target) * hides(maps)
+        prior = TARGET_BLOCKS * torch.from_numpy(house.target) * hides(maps)
         left = self.left(environments, corners)
         known, floor = cost(maps.ways, turns), stands(maps)[:, None]
 
@@ -150,7 +150,7 @@ class Judge(LearnedSearch):
             return in_view(look(maps._replace(foreseen=planes)).float())
 
         def by(shows: Tensor, cost: Tensor) -> Tensor:
-            return (shows + HARDLY).log() - cost.log()
+            return (shows + MIN_SHOWN).log() - cost.log()
 
         blind = in_view(look(maps._replace(foreseen=unforeseen(maps))).float())
         return {
@@ -162,7 +162,7 @@ class Judge(LearnedSearch):
             "and how far sight goes": by(shows(prior, sight) * floor, known),
             "and where the target may still lie": by(shows(left, sight) * floor, known),
             "and the true paths": by(shows(left, sight), true_cost),
-            "what views show in truth, known paths": by(true_shows - HARDLY * (true_shows <= 0), known),
+            "what views show in truth, known paths": by(true_shows - MIN_SHOWN * (true_shows <= 0), known),
         }
 
     def left(self, environments: np.ndarray, corners: np.ndarray) -> Tensor:
@@ -179,5 +179,5 @@ class Judge(LearnedSearch):
             nodes = (places - truth.start[e]) @ AXES[truth.quarter[e]].T / truth.steps  # east and south
             blocks = ((np.floor(nodes[:, ::-1]) - corners[n] + 2) // 2).astype(int)
             blocks = blocks[((blocks >= 0) & (blocks < 2 * PLACES)).all(1)]
-            np.add.at(dense[n], tuple(blocks.T), DENSE / max(1, len(places)))
+            np.add.at(dense[n], tuple(blocks.T), TARGET_BLOCKS / max(1, len(places)))
         return torch.from_numpy(dense)

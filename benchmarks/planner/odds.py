@@ -17,7 +17,7 @@ from scipy.optimize import isotonic_regression
 from scipy.spatial import KDTree
 
 from benchmarks.common.houses import ROOMS, by_rooms
-from vitruvius.agent.baselines.coverage import PITCH, Coverage
+from vitruvius.agent.baselines.coverage import SPOT_PITCH_M, Coverage
 from vitruvius.agent.evaluation.tables import Table
 from vitruvius.agent.learning.environments import make_envs, shield
 from vitruvius.agent.planner import TUNED, Planner
@@ -42,7 +42,7 @@ FIRST, EVERY, PLACES = 15, 30, 8
 """Steps before the first question to an explorer, steps between questions, and number of places in a
 question."""
 
-BESIDE = 0.75 * PITCH
+BESIDE = 0.75 * SPOT_PITCH_M
 """Largest distance in metres from a place to a spot of a target that counts as the same place: a little more
 than half the diagonal between spots."""
 

@@ -30,7 +30,7 @@ from benchmarks.planner.learning import clustered
 from vitruvius.agent.algorithms.build import policy_of
 from vitruvius.agent.algorithms.search.chooser import ViewChooser, best, by_parts
 from vitruvius.agent.algorithms.search.config import SearchConfig
-from vitruvius.agent.algorithms.search.learner import HELD, LearnedSearch
+from vitruvius.agent.algorithms.search.learner import MIN_HELD_BATCHES, LearnedSearch
 from vitruvius.agent.algorithms.search.network import ViewNetwork, cost, in_view, stands, unforeseen
 from vitruvius.agent.algorithms.search.windows import FAR, LEVELS, PLACES, SCALE, ViewMaps, views
 from vitruvius.agent.algorithms.table import PRESETS
@@ -158,7 +158,7 @@ class Views:
     def run(self) -> None:
         """Collect choices, train, and print the table."""
         config = cast(SearchConfig, PRESETS[AGENT])
-        least = HELD * config.batch_size
+        least = MIN_HELD_BATCHES * config.batch_size
         if self.houses < 3 or self.choices < least or min(self.updates, self.seeds) < 1:
             raise RequestError(
                 f"--houses must be 3 or more, --choices {least} or more, --updates and --seeds 1 or more"

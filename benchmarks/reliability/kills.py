@@ -134,7 +134,7 @@ def _started(words: str) -> int:
         nothing = os.open(os.devnull, os.O_RDWR)
         for stream in (0, 1, 2):
             os.dup2(nothing, stream)
-        vitruvius.agent.runs.runs.SAVE_EVERY = 0.0
+        vitruvius.agent.runs.runs.SAVE_SECONDS = 0.0
         sys.argv = ["vitruvius", *words.split()]
         runpy.run_module("vitruvius.cli", run_name="__main__")
     except SystemExit as end:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import tyro
 
 from vitruvius.agent import banks
-from vitruvius.agent.learning.config import MOST_SEED, differences
+from vitruvius.agent.learning.config import MAX_SEED, differences
 from vitruvius.agent.runs.released import located
 from vitruvius.commands.common import print_answer
 from vitruvius.logic.cluster import engine
@@ -163,7 +163,7 @@ class Evaluate:
         for targets in self.targets:
             require_asked_task(targets)
             banks.require_places(targets, self.houses)
-        whole("--seed", self.seed, 0, MOST_SEED)
+        whole("--seed", self.seed, 0, MAX_SEED)
         if self.backend == "free" and self.beside:
             raise RequestError("--beside: people played on a lattice of steps: take the backend continuous")
         if self.episodes < 1:

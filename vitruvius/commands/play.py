@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import tyro
 
 from vitruvius.agent import banks
-from vitruvius.agent.learning.config import MOST_SEED
+from vitruvius.agent.learning.config import MAX_SEED
 from vitruvius.agent.runs.released import located
 from vitruvius.logic import House
 from vitruvius.logic.errors import MissingProgram, RequestError
@@ -74,7 +74,7 @@ class Play:
 
         if not 1 <= self.seconds <= 3600:
             raise RequestError(f"--seconds {self.seconds:g}: a game lasts from 1 to 3600 seconds")
-        whole("--seed", self.seed, 0, MOST_SEED)
+        whole("--seed", self.seed, 0, MAX_SEED)
         if self.race:
             located(self.race)
         allow_named(self.allow)

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import tyro
 
 from vitruvius.agent import banks
-from vitruvius.agent.learning.config import MOST_SEED
+from vitruvius.agent.learning.config import MAX_SEED
 from vitruvius.agent.runs.released import located
 from vitruvius.commands.common import print_answer
 from vitruvius.logic.errors import RequestError
@@ -75,7 +75,7 @@ class Record:
         """Write the film."""
         from vitruvius.agent.learning.simulator import allow_named, require_asked_task
 
-        whole("--seed", self.seed, 0, MOST_SEED)
+        whole("--seed", self.seed, 0, MAX_SEED)
         located(self.agent)
         allow_named(self.allow)
         require_asked_task(self.targets)

@@ -16,7 +16,7 @@ from vitruvius.agent.algorithms.table import PRESETS
 from vitruvius.agent.banks import BANKS, bank_hash
 from vitruvius.agent.learning.config import TrainConfig, differences
 from vitruvius.agent.play.results import load as load_games
-from vitruvius.agent.runs.released import FORMAT, LEARNT_IN, MOST_BYTES, MOST_HEADER, require_sizes
+from vitruvius.agent.runs.released import FORMAT, LEARNT_IN, MAX_BYTES, MAX_HEADER_BYTES, require_sizes
 from vitruvius.info.kinds import (
     Agent,
     Games,
@@ -195,9 +195,9 @@ def _drawn(name: str, format_: str, read: Callable[[], Sequence[Any]]) -> Plan:
 def read_agent(it: Source) -> Agent:
     """Return the description of a checkpoint, from its header alone."""
     require_sizes(it.path)
-    with opened(it.path, MOST_BYTES, unpack=False) as file:
+    with opened(it.path, MAX_BYTES, unpack=False) as file:
         length = int.from_bytes(file.read(8), "little")
-        header = from_json(file.read(min(length, MOST_HEADER)))
+        header = from_json(file.read(min(length, MAX_HEADER_BYTES)))
     record, tensors = header.pop("__metadata__"), header
     tensors.pop(LEARNT_IN, None)
     shapes = [each["shape"] for each in tensors.values()]

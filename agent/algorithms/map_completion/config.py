@@ -6,7 +6,7 @@ from typing import ClassVar
 from vitruvius.agent.learning.config import TrainConfig
 from vitruvius.logic.errors import RequestError
 
-MOST_GROUND = 250
+MAX_GROUND_TYPES = 250
 """Largest number of room types and furniture kinds that map completion distinguishes, as they are stored in 8
 bits."""
 
@@ -52,8 +52,8 @@ class CompletionConfig(TrainConfig):
         super().__post_init__()
         if not 2 <= len(self.channels) <= 5 or min(self.channels) < 1:
             raise RequestError(f"channels are of 2 to 5 levels, 1 or more each, not {self.channels}")
-        if len(self.kinds) > MOST_GROUND:
-            raise RequestError(f"kinds are {MOST_GROUND} at most, not {len(self.kinds)}")
+        if len(self.kinds) > MAX_GROUND_TYPES:
+            raise RequestError(f"kinds are {MAX_GROUND_TYPES} at most, not {len(self.kinds)}")
         if self.device != "cpu":
             raise RequestError("map completion runs on device cpu alone: that is where maps are kept")
 

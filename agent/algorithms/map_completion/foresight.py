@@ -13,28 +13,28 @@ from vitruvius.agent.planner.viewpoints.belief import BLOCKED, PATH, WALL
 from vitruvius.agent.policies.policies import Tracker
 from vitruvius.sim.config import Config
 
-EVERY, NEWS = 48, 64
+MIN_STEPS_BETWEEN, MIN_NEW_CELLS = 48, 64
 """Steps of an environment between two predictions, and cells that must be new, at least. A pick-up always
 leads to a prediction."""
 
-ANYWAY = 384
+MAX_STEPS_BETWEEN = 384
 """Steps after which the network predicts again even if nothing is new, as the planner has looked at more."""
 
-EARLY = (1, 5, 9)
-"""Steps of an episode at which the network predicts although fewer than ``EVERY`` steps have passed."""
+EARLY_STEPS = (1, 5, 9)
+"""Steps of an episode at which the network predicts before ``MIN_STEPS_BETWEEN`` have passed."""
 
-TOGETHER = 4
+STEP_INTERVAL = 4
 """Interval, in steps of an episode, of the predictions: environments that began together then make larger
 batches, which take less time per window."""
 
-LEAST = 0.05
+MIN_FLOOR_PROBABILITY = 0.05
 """Least probability of floor at which paths may lead over an unseen block and targets are sought there."""
 
 DITHER = (np.array([[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]]) + 0.5) / 16
 """Ordered dither, added by the block's place before weights become integers. Their mean over some blocks is
 then right, even if each weight is less than one (Bayer 1973)."""
 
-AT_ONCE = 32
+BATCH_WINDOWS = 32
 """Number of windows in a batch: as many as fit a processor's cache."""
 
 
@@ -58,9 +58,11 @@ class Foresight(Tracker):
         time = planner.read("time").numpy()
         self.seen[time == 1], self.found[time == 1], self.age[time == 1] = 0, 0, 0
         self.age += 1
-        if (now := time % TOGETHER == 1).any():
-            due = (planner.seen.numpy() - self.seen >= NEWS) & ((self.age >= EVERY) | np.isin(time, EARLY))
-            due |= (planner.read("found").numpy() != self.found) | (self.age >= ANYWAY)
+        if (now := time % STEP_INTERVAL == 1).any():
+            due = (planner.seen.numpy() - self.seen >= MIN_NEW_CELLS) & (
+                (self.age >= MIN_STEPS_BETWEEN) | np.isin(time, EARLY_STEPS)
+            )
+            due |= (planner.read("found").numpy() != self.found) | (self.age >= MAX_STEPS_BETWEEN)
             self.foresee(np.flatnonzero(now & due & planner.seeks.numpy()))
         return planner
 
@@ -83,7 +85,9 @@ class Foresight(Tracker):
         The maps of the windows began at ``starts`` (n, 2).
         """
         given = torch.from_numpy(windows), torch.from_numpy(marks), torch.from_numpy(starts).float()
-        parts = [self.network(*each) for each in zip(*(field.split(AT_ONCE) for field in given), strict=True)]
+        parts = [
+            self.network(*each) for each in zip(*(field.split(BATCH_WINDOWS) for field in given), strict=True)
+        ]
         return Prediction(*(torch.cat(column) for column in zip(*parts, strict=True)))
 
     def given(self, prediction: Prediction, windows: np.ndarray) -> np.ndarray:
@@ -102,7 +106,7 @@ class Foresight(Tracker):
         count = (count + np.tile(DITHER, (WINDOW // 4, WINDOW // 4))).clip(max=CERTAIN).astype(np.uint16)
         # Every block that may be floor counts at least 1: once all likely places are seen, the unlikely
         # follow.
-        path = known | (floor >= LEAST)
+        path = known | (floor >= MIN_FLOOR_PROBABILITY)
         count = np.where(path, count.clip(1), 0)
         wall = np.rint(BLOCKED * (1 - np.where(known, 1.0, sight))).astype(np.uint16)
         return wall << WALL | (PATH * path).astype(np.uint16) | count

@@ -22,13 +22,13 @@ from vitruvius.agent.policies.network import seeded
 from vitruvius.agent.policies.policies import Explorer
 from vitruvius.sim import HouseVectorEnv
 
-NEAR = 12
+NEAR_BLOCKS = 12
 """Distance from seen ground, in blocks, within which unseen ground has full weight."""
 
-COARSE = 4
+SQUARE_BLOCKS = 4
 """Side, in blocks, of the squares by which this distance is measured."""
 
-FAR = 0.05
+FAR_WEIGHT = 0.05
 """Weight of ground that lies farther away or was seen."""
 
 SIGHT, TARGETS, KINDS = 1.0, 0.2, 0.1
@@ -162,10 +162,10 @@ def completion_loss(prediction: Prediction, batch: WindowBatch) -> Tensor:
     """
     known = seen(batch.windows)
     # Squares of COARSE blocks: a wide pool over single blocks takes a quarter of all the time.
-    squares = F.max_pool2d(known[:, None].float(), COARSE)
-    near = F.max_pool2d(squares, 2 * NEAR // COARSE + 1, 1, NEAR // COARSE)
-    about = F.interpolate(near, scale_factor=float(COARSE))[:, 0]
-    weight = torch.where(known, FAR, about.clamp(min=FAR))
+    squares = F.max_pool2d(known[:, None].float(), SQUARE_BLOCKS)
+    near = F.max_pool2d(squares, 2 * NEAR_BLOCKS // SQUARE_BLOCKS + 1, 1, NEAR_BLOCKS // SQUARE_BLOCKS)
+    about = F.interpolate(near, scale_factor=float(SQUARE_BLOCKS))[:, 0]
+    weight = torch.where(known, FAR_WEIGHT, about.clamp(min=FAR_WEIGHT))
     floor = F.binary_cross_entropy_with_logits(prediction.floor, batch.floor.float(), reduction="none")
     kinds, weights = (each[:, ::2, ::2] for each in (batch.kinds, weight))
     told = kinds != UNKNOWN

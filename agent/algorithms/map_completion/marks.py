@@ -11,7 +11,7 @@ from vitruvius.agent.algorithms.map_completion.network import FINDS, PIECES, WIN
 from vitruvius.agent.planner import Planner
 from vitruvius.sim.config import Config
 
-INSIDE = 0.3
+INSIDE_CELLS = 0.3
 """Distance beyond a ray's end, in cells, of the point that is taken to lie in the furniture."""
 
 
@@ -45,7 +45,7 @@ class Marks:
         distance = shown[..., self.world.column("distance")]
         environment, ray, kind = shown[..., columns].nonzero()
         way = self.directions[heading[environment], ray]
-        away = (distance[environment, ray] + INSIDE / np.linalg.norm(way, axis=-1))[:, None] * way
+        away = (distance[environment, ray] + INSIDE_CELLS / np.linalg.norm(way, axis=-1))[:, None] * way
         east, south = (
             np.floor((each[environment] / 2 + way + 1) / 2).astype(int) & last
             for each, way in zip((x, y), away.T, strict=True)

@@ -27,10 +27,10 @@ OWN = 4 * FIELDS
 """Channels of the last layer that belong to single blocks: each field of the four blocks of a place, south by
 east. The other channels are kinds."""
 
-FADE = 9.0
+FADE_BLOCKS = 9.0
 """Distance, in blocks, over which nearness to the start falls by a factor of e."""
 
-MOST_FINDS = 4.0
+MAX_FINDS = 4.0
 """Number of pick-ups in a block above which more do not count."""
 
 
@@ -87,8 +87,8 @@ class CompletionNetwork(nn.Module):
         occupied, seen = (windows & 7).float() / 4, (windows >> 3 & 7).float() / 4
         sides = (torch.arange(size, device=windows.device) for size in windows.shape[1:])
         south, east = ((side - starts[:, k, None]).square() for k, side in enumerate(sides))
-        near = torch.exp(-(south[:, :, None] + east[:, None]).sqrt() / FADE)
-        found = (marks[:, FINDS].float() / MOST_FINDS).clamp(max=1.0)
+        near = torch.exp(-(south[:, :, None] + east[:, None]).sqrt() / FADE_BLOCKS)
+        found = (marks[:, FINDS].float() / MAX_FINDS).clamp(max=1.0)
         # Joining planes first and then turning them so that channels lie last is twice as fast.
         x = torch.stack([occupied, seen, near, found], 1)
         if self.pieces is not None:

@@ -13,10 +13,10 @@ from vitruvius.agent.algorithms.search.windows import ViewMaps, gone_to
 from vitruvius.agent.planner import Planner
 from vitruvius.sim.config import Config
 
-AT_ONCE = 16
+BATCH_WINDOWS = 16
 """Number of windows in a batch: as many as fit a processor's cache."""
 
-AGAIN = 1e3
+AGAIN_PENALTY = 1e3
 """Penalty on the value of a view that was the goal before: it is chosen only if there is no other."""
 
 Picks = Callable[[np.ndarray, ViewMaps], Tensor]
@@ -67,7 +67,7 @@ class ViewChooser:
 @torch.inference_mode()
 def by_parts(read: Callable[[ViewMaps], Tensor], maps: ViewMaps) -> Tensor:
     """Return what ``read`` returns for maps (n, ...), some maps at a time."""
-    parts = zip(*(field.split(AT_ONCE) for field in maps), strict=True)
+    parts = zip(*(field.split(BATCH_WINDOWS) for field in maps), strict=True)
     return torch.cat([read(ViewMaps(*part)) for part in parts])
 
 
@@ -76,5 +76,5 @@ def best(values: Tensor, maps: ViewMaps) -> Tensor:
 
     Views that were the goal before are chosen only if there is no other; -1 without any view.
     """
-    most, picks = (values - AGAIN * gone_to(maps)).flatten(1).max(1)
+    most, picks = (values - AGAIN_PENALTY * gone_to(maps)).flatten(1).max(1)
     return torch.where(most > -torch.inf, picks, -1)

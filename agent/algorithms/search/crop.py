@@ -8,10 +8,10 @@ from torch import Tensor
 
 from vitruvius.agent.algorithms.search.windows import LEVELS, PLACES, ViewMaps
 
-MARGIN = 4
+MARGIN_PLACES = 4
 """Margin about seen ground that is read, too, in places: 2.3 m at the default body."""
 
-UNIT = 8
+UNIT_PLACES = 8
 """Unit of a part's height and width, in places: a network halves them three times."""
 
 
@@ -60,14 +60,16 @@ def spans(maps: ViewMaps) -> Tensor:
     for axis in (2, 1):
         some = seen.any(axis).view(len(seen), PLACES, 2).any(2).byte()
         first, last = some.argmax(1), PLACES - some.flip(1).argmax(1)
-        found.append(torch.stack([(first - MARGIN).clamp(min=0), (last + MARGIN).clamp(max=PLACES)], 1))
+        found.append(
+            torch.stack([(first - MARGIN_PLACES).clamp(min=0), (last + MARGIN_PLACES).clamp(max=PLACES)], 1)
+        )
     return torch.stack(found, 1)
 
 
 def box(maps: ViewMaps) -> Box:
-    """Return the smallest parts of these windows that have all seen ground, and ``MARGIN`` about it."""
+    """Return the smallest parts of these windows that have all seen ground and ``MARGIN_PLACES``."""
     first, last = spans(maps).unbind(2)
-    high, wide = (UNIT * -(-int(size) // UNIT) for size in (last - first).amax(0))
+    high, wide = (UNIT_PLACES * -(-int(size) // UNIT_PLACES) for size in (last - first).amax(0))
     south, east = torch.minimum(first, torch.tensor([PLACES - high, PLACES - wide])).T.tolist()
     return Box(south, east, high, wide)
 

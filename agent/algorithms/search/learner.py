@@ -20,16 +20,16 @@ from vitruvius.logic.errors import RequestError
 from vitruvius.sim import HouseVectorEnv
 from vitruvius.sim.config import DEFAULT
 
-TOGETHER = 4
+UPDATES_TOGETHER = 4
 """Number of updates whose choices are drawn together."""
 
-HELD = 4
+MIN_HELD_BATCHES = 4
 """Number of batches of choices that must be stored before training starts."""
 
-LEAST = 0.02
+MIN_VIEW_WEIGHT = 0.02
 """Least weight of a view in the loss."""
 
-MOST = 4.0
+MAX_LOG_VALUE = 4.0
 """Logarithm of values above which the loss is linear."""
 
 
@@ -121,7 +121,7 @@ class LearnedSearch(MapLearner):
         self.rows = self.rows[:0]  # rows drawn before a state was kept are not drawn again
         self.anneal(config.final_lr_fraction)
         held = min(self.made, config.buffer_size)
-        while self.due >= 1 and held >= HELD * config.batch_size:
+        while self.due >= 1 and held >= MIN_HELD_BATCHES * config.batch_size:
             rows = self.drawn(held)
             batch = turned(
                 ViewMaps(*(field[rows] for field in self.buffer)),
@@ -150,10 +150,10 @@ class LearnedSearch(MapLearner):
         batch takes as long as its largest.
         """
         if not len(self.rows):
-            rows = torch.from_numpy(self.random.integers(0, held, TOGETHER * self.config.batch_size))
+            rows = torch.from_numpy(self.random.integers(0, held, UPDATES_TOGETHER * self.config.batch_size))
             order = by_size(self.buffer._replace(blocks=self.buffer.blocks[rows]))
-            parts = rows[order].view(TOGETHER, -1)
-            self.rows = parts[torch.from_numpy(self.random.permutation(TOGETHER))]
+            parts = rows[order].view(UPDATES_TOGETHER, -1)
+            self.rows = parts[torch.from_numpy(self.random.permutation(UPDATES_TOGETHER))]
         first, self.rows = self.rows[0], self.rows[1:]
         return first
 
@@ -201,7 +201,11 @@ def value_loss(values: Tensor, worth: Tensor) -> Tensor:
     values = values.masked_fill(~legal, -20.0)
     with torch.no_grad():
         most = values.flatten(1).amax(1)[:, None, None, None]
-        weight = (values - most).exp().clamp(min=LEAST) * legal
+        weight = (values - most).exp().clamp(min=MIN_VIEW_WEIGHT) * legal
         weight /= weight.sum((1, 2, 3), keepdim=True)
-    mean = torch.where(values > MOST, (1 + values - MOST) * float(np.exp(MOST)), values.clamp(max=MOST).exp())
+    mean = torch.where(
+        values > MAX_LOG_VALUE,
+        (1 + values - MAX_LOG_VALUE) * float(np.exp(MAX_LOG_VALUE)),
+        values.clamp(max=MAX_LOG_VALUE).exp(),
+    )
     return ((mean - worth * values) * weight).sum((1, 2, 3)).mean()

@@ -23,7 +23,7 @@ BLOCKS = 2 * PLACES
 UNREACHED = (1 << 16) - 1
 """Distance of places to which no path is known."""
 
-LEAST = 0.02
+MIN_REACH_PROBABILITY = 0.02
 """Probability of getting so far below which a ray is not followed."""
 
 
@@ -74,7 +74,7 @@ def _kernel(program: Any, config: PlannerConfig, body: BodyModel) -> Any:
         gain = 0.0
         for ray in range(rays):
             j, k, reaches = ends * (rays * octant + ray), 0, 1.0
-            while (k < ends) & (reaches >= LEAST):
+            while (k < ends) & (reaches >= MIN_REACH_PROBABILITY):
                 there = occupancy.beside(node, tables.views[j + k])
                 k += 1
                 cell = ti.cast(memory.cells[base + there], ti.i32)

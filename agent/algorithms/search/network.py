@@ -34,28 +34,28 @@ last pick-up; and logarithm of this density."""
 WHOLE, PART = 255.0, 63.0
 """Values in 8 bits of a probability of 1 and of a density of 1."""
 
-HARDLY = 1e-3
+MIN_SHOWN = 1e-3
 """Constant added to what a view shows before its logarithm is taken."""
 
 FORESIGHT = Path(__file__).parents[2] / "runs" / "released" / "map-completion.safetensors"
 """Released network of map completion, whose predictions can be inputs."""
 
-FADE = 4.0
+FADE_PLACES = 4.0
 """Distance, in places, over which nearness to the start falls by a factor of e."""
 
-NODE = 2.0
+NODE_STEPS = 2.0
 """Steps from one node to the next: a cell is half a body wide."""
 
-CONSTANT = 4.0
+CHOICE_STEPS = 4.0
 """Steps added to a path's length: the cost of a choice of a view besides the way there."""
 
-FIRST = -3.0
+FIRST_LOG_SHARE = -3.0
 """First estimate of the logarithm of what a view shows, relative to all places where the target may be."""
 
-MOSTLY = 3
+MIN_SEEN_CELLS = 3
 """Least number of seen cells for a block to count as seen."""
 
-DENSE = 300.0
+TARGET_BLOCKS = 300.0
 """Approximate number of blocks in which a target may lie: the probability of one block times this is about
 1."""
 
@@ -95,7 +95,7 @@ class ViewNetwork(nn.Module):
         self.out = nn.Conv2d(2 * first, HEADINGS, 1)
         with torch.no_grad():
             self.out.weight.zero_()
-            self.out.bias.fill_(0.0 if looks else FIRST) if self.out.bias is not None else None
+            self.out.bias.fill_(0.0 if looks else FIRST_LOG_SHARE) if self.out.bias is not None else None
         self.register_buffer("turns", _turns(), persistent=False)
         self.register_buffer("shares", _shares(), persistent=False)
         self.to(memory_format=torch.channels_last)  # pyright: ignore[reportCallIssue]
@@ -123,11 +123,11 @@ class ViewNetwork(nn.Module):
         if self.completion is not None:
             planes.append(maps.foreseen.permute(0, 2, 3, 1) / SIZES)
         south, east = ((torch.arange(way.shape[1 + k]) - maps.start[:, k, None]).square() for k in range(2))
-        near = torch.exp(-(south[:, :, None] + east[:, None]).sqrt() / FADE)
+        near = torch.exp(-(south[:, :, None] + east[:, None]).sqrt() / FADE_PLACES)
         taken = gone_to(maps).float()
-        log_way = ((way + CONSTANT).log() - 3) * there
+        log_way = ((way + CHOICE_STEPS).log() - 3) * there
         own = torch.stack([there, there * way / 50, log_way, near, maps.finds.float() / 2], 1)
-        shown = [(maps.shown.float() + HARDLY).log() / 3 + 1] if self.looks else []
+        shown = [(maps.shown.float() + MIN_SHOWN).log() / 3 + 1] if self.looks else []
         own = torch.cat([own, taken, *shown], 1).contiguous(memory_format=torch.channels_last)
         head = F.one_hot(maps.heading, HEADINGS).float()
         x = F.relu(self.first(torch.cat(planes, 3).permute(0, 3, 1, 2)))
@@ -146,7 +146,7 @@ class ViewNetwork(nn.Module):
         values = pointwise(self.out, F.relu(hidden).permute(0, 3, 1, 2)).contiguous()  # as what is added
         gain = SCALE / cost(maps.ways, turns)
         if self.looks:
-            gain = gain * (in_view(maps.shown.float()) * stands(maps)[:, None] + HARDLY)
+            gain = gain * (in_view(maps.shown.float()) * stands(maps)[:, None] + MIN_SHOWN)
         return (values + gain.log()).masked_fill(~views(maps), -torch.inf)
 
 
@@ -155,7 +155,7 @@ def cost(ways: Tensor, turns: Tensor) -> Tensor:
 
     It is the steps of paths of ``ways`` (n, G, G) nodes, the ``turns``, and some steps for a choice.
     """
-    return NODE * ways[:, None].float().clamp(min=0) + CONSTANT + turns
+    return NODE_STEPS * ways[:, None].float().clamp(min=0) + CHOICE_STEPS + turns
 
 
 def stands(maps: ViewMaps) -> Tensor:
@@ -163,7 +163,9 @@ def stands(maps: ViewMaps) -> Tensor:
 
     Paths lead some way over unseen ground, for which the probability is that of floor by the predictions.
     """
-    floor = (maps.foreseen[:, FLOOR] / WHOLE).masked_fill(maps.blocks // LEVELS % LEVELS >= MOSTLY, 1.0)
+    floor = (maps.foreseen[:, FLOOR] / WHOLE).masked_fill(
+        maps.blocks // LEVELS % LEVELS >= MIN_SEEN_CELLS, 1.0
+    )
     return F.avg_pool2d(floor[:, None], 2)[:, 0]
 
 
@@ -193,7 +195,7 @@ def foreseen(completion: CompletionNetwork, maps: ViewMaps, marks: Tensor | None
         marks = maps.blocks.new_zeros(len(maps.blocks), 2, *maps.blocks.shape[1:])
         marks[:, FINDS, ::2, ::2] = maps.finds
     floor, sight, target, _ = completion(occupied | seen << 3, marks, 2 * maps.start)
-    dense = (DENSE * target.exp() * hides(maps)).clamp(max=4)
+    dense = (TARGET_BLOCKS * target.exp() * hides(maps)).clamp(max=4)
     odds = ((target + 10) / 3).clamp(min=0, max=4)
     planes = torch.stack([floor.sigmoid(), sight.sigmoid(), dense, odds], 1)
     return (planes * SIZES[:, None, None]).round().to(torch.uint8)
@@ -221,7 +223,7 @@ def hides(maps: ViewMaps) -> Tensor:
     for axis in (1, 2):
         inner = since.shape[axis] - 2
         since = torch.stack([since.narrow(axis, k, inner) for k in range(3)]).amax(0)
-    return since < MOSTLY
+    return since < MIN_SEEN_CELLS
 
 
 def expected(maps: ViewMaps) -> tuple[Tensor, Tensor]:

@@ -20,10 +20,10 @@ from vitruvius.sim.geometry import Geometry
 from vitruvius.sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti
 from vitruvius.sim.world.world import World
 
-MOST_CORNERS = 4096
+MAX_CORNERS = 4096
 """Largest number of corners of a house's graph, which takes 4 bytes for each pair."""
 
-FAR = 1e9
+NO_PATH_M = 1e9
 """Length in metres that stands for "no path"."""
 
 
@@ -37,7 +37,7 @@ class Roads(NamedTuple):
     firsts: Ints
     """(H + 1) index of the first corner of each house, then (H) index of its first length."""
     lengths: Floats
-    """Length of the shortest path between each two corners of a house, in metres; ``FAR`` without a path."""
+    """Length of the shortest path between each two corners of a house, in metres, or ``NO_PATH_M``."""
 
 
 @ti.func
@@ -105,17 +105,17 @@ class Roadmap:
     def __init__(self, world: World, wide: float) -> None:
         """Build the graphs, with all solids widened by ``wide`` metres.
 
-        Raises ``ValueError`` for a house with more than ``MOST_CORNERS`` corners.
+        Raises ``ValueError`` for a house with more than ``MAX_CORNERS`` corners.
         """
         shapes = world.bank.geometries
         rows = solids_of(world)
         corners = [corners_of(each, shape, wide) for each, shape in zip(rows, shapes, strict=True)]
         counts = np.array([len(each) for each in corners])
-        if counts.max() > MOST_CORNERS:
+        if counts.max() > MAX_CORNERS:
             house = int(counts.argmax())
             raise ValueError(
                 f"house {house} of {len(counts)} has {counts[house]:,} corners that paths may turn at: "
-                f"{MOST_CORNERS:,} at most"
+                f"{MAX_CORNERS:,} at most"
             )
         squares = np.cumsum([0, *counts**2])
         if squares[-1] >= 1 << 31:
@@ -183,7 +183,9 @@ def _kernels(program: Any, wide: float) -> tuple[Any, Any]:
             for b in range(count):
                 here, there = point(roads.corners, a), point(roads.corners, first + b)
                 seen = sees(roads, houses[a], here, there, ti.static(wide), False)
-                roads.lengths[table + (a - first) * count + b] = ti.select(seen, (there - here).norm(), FAR)
+                roads.lengths[table + (a - first) * count + b] = ti.select(
+                    seen, (there - here).norm(), NO_PATH_M
+                )
 
     @kernel
     def join(roads: Roads):
@@ -192,7 +194,7 @@ def _kernels(program: Any, wide: float) -> tuple[Any, Any]:
             for k in range(count):  # Floyd and Warshall
                 for a in range(count):
                     first = roads.lengths[table + a * count + k]
-                    if first < FAR:
+                    if first < NO_PATH_M:
                         for b in range(count):
                             at = table + a * count + b
                             by = first + roads.lengths[table + k * count + b]

@@ -10,14 +10,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from vitruvius.agent.baselines.driving.roadmap import FAR, Roadmap, Roads, graph, point, sees
+from vitruvius.agent.baselines.driving.roadmap import NO_PATH_M, Roadmap, Roads, graph, point, sees
 from vitruvius.agent.baselines.driving.steering import steered
 from vitruvius.sim.backends.body import SKIN
 from vitruvius.sim.environment.vector import HouseVectorEnv
 from vitruvius.sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti
 from vitruvius.sim.world.world import World
 
-AIR = 0.04
+CLEARANCE_M = 0.04
 """Distance between the body and the obstacles that it passes, in metres."""
 
 
@@ -51,7 +51,7 @@ class TruePath:
             raise ValueError("a true path is driven: take the backend free, or an oracle")
         config.drive.require_heading("a true path")
         radius = config.body[0] / 2
-        roads = Roadmap(self.world, radius + AIR)
+        roads = Roadmap(self.world, radius + CLEARANCE_M)
         self.arrays = {
             "house": Array(ti.i32, count),
             "pose": Array(ti.f32, 3 * count),
@@ -100,7 +100,7 @@ def _kernel(program: Any, radius: float, half: float) -> Any:
                 for k in ti.static(range(3)):
                     follower.known[3 * e + k] = key[k]
                 for c in range(count):
-                    follower.left[base + c] = FAR
+                    follower.left[base + c] = NO_PATH_M
                 for c in range(count):
                     corner = point(roads.corners, first + c)
                     end = edge(corner, there)
@@ -109,7 +109,7 @@ def _kernel(program: Any, radius: float, half: float) -> Any:
                         for a in range(count):
                             by = roads.lengths[table + a * count + c] + last
                             follower.left[base + a] = ti.min(follower.left[base + a], by)
-            chosen, end, best = there, edge(here, there), ti.f32(FAR)
+            chosen, end, best = there, edge(here, there), ti.f32(NO_PATH_M)
             if not sees(roads, where, here, end, ti.static(body), True):
                 for c in range(count):
                     corner = point(roads.corners, first + c)

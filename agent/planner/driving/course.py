@@ -5,13 +5,13 @@ from vitruvius.agent.planner.mapping.occupancy import Occupancy
 from vitruvius.agent.planner.paths import FAR
 from vitruvius.sim.runtime import ti
 
-AHEAD = 28
+MAX_AHEAD_NODES = 28
 """Nodes of a path to look ahead: about 4 m."""
 
-LEAST = 2
+MIN_AHEAD_NODES = 2
 """Nodes ahead to which a body always goes, so that it leaves a place that its map shows as blocked."""
 
-FREE = 1.0
+COVERED_CELLS = 1.0
 """Distance from the body's middle, in cells, that the body covers; room is checked beyond it."""
 
 
@@ -34,12 +34,12 @@ class Course:
     @ti.func
     def straight(self, memory: ti.template(), base, eye, point, short):
         """Return 1 if a body has room on the straight way to a place, except for the last ``short`` cells."""
-        way, at, free = point - eye, FREE, 1
+        way, at, free = point - eye, COVERED_CELLS, 1
         length = way.norm()
         while (at < length - short) & free:
             free = self.room(memory, base, eye + way * (at / length))
             at += 0.5
-        if free & (length - short > FREE):
+        if free & (length - short > COVERED_CELLS):
             free = self.room(memory, base, eye + way * ((length - short) / length))
         return free
 
@@ -49,7 +49,7 @@ class Course:
         x, y, aim = state.x >> 1, state.y >> 1, ti.Vector([0.0, 0.0])
         left = ti.cast(memory.distance[base + self.occupancy.at(x, y)], ti.i32)
         side, k, going = -1, 0, ti.cast((left < FAR) & (state.kind != NONE), ti.i32)
-        while (going > 0) & (left > 0) & (k < AHEAD):
+        while (going > 0) & (left > 0) & (k < MAX_AHEAD_NODES):
             going, k = 0, k + 1
             at = ti.Vector([x, y])
             for turn in range(8):
@@ -70,13 +70,13 @@ class Course:
             if going:
                 left -= 1
                 point = ti.cast(ti.Vector([x, y]), ti.f32)
-                if (k <= LEAST) | self.straight(memory, base, eye, point, 0.0):
+                if (k <= MIN_AHEAD_NODES) | self.straight(memory, base, eye, point, 0.0):
                     aim = point - eye
                 else:
                     going = 0
         if (state.kind == TARGET) & (left < FAR):
             touch = 1.0 + self.half
-            near = ti.cast((left == 0) & (k <= LEAST), ti.i32)
+            near = ti.cast((left == 0) & (k <= MIN_AHEAD_NODES), ti.i32)
             if near | self.straight(memory, base, eye, state.target, touch):
                 aim = state.target - eye
         return aim

@@ -9,7 +9,7 @@ from vitruvius.agent.planner.setup import Setup, body_model, common_arrays
 from vitruvius.sim.config import Config
 from vitruvius.sim.runtime import Array, start, ti
 
-MOST_SPACING_DEG, LEAST_FAN_DEG = 15.0, 90.0
+MAX_SPACING_DEG, MIN_FAN_DEG = 15.0, 90.0
 """Largest angle between neighbouring rays, and smallest angle from the first to the last ray, degrees."""
 
 
@@ -42,9 +42,9 @@ def require_rays(world: Config) -> None:
     """Raise ``ValueError`` for rays from which a planner of a body that drives cannot keep its map."""
     first, spacing = world.first_ray, world.ray_spacing
     last = first - spacing * (world.rays - 1)
-    half = LEAST_FAN_DEG / 2
+    half = MIN_FAN_DEG / 2
     for wrong, words in (
-        (spacing > MOST_SPACING_DEG, f"rays at most {MOST_SPACING_DEG:g} degrees apart, not {spacing:g}"),
+        (spacing > MAX_SPACING_DEG, f"rays at most {MAX_SPACING_DEG:g} degrees apart, not {spacing:g}"),
         (not first >= half >= -half >= last, f"rays from {half:g} degrees left to {half:g} right at least"),
         (first - last > 360, "rays around once at most"),
         (world.latency, f"rays of now, not of {world.latency} steps ago"),

@@ -10,21 +10,21 @@ from vitruvius.agent.planner.core.config import PlannerConfig
 from vitruvius.agent.planner.core.state import SEARCH, loaded, store
 from vitruvius.agent.planner.driving.course import Course
 from vitruvius.agent.planner.driving.sweep import Sweep, turned
-from vitruvius.agent.planner.goal import NEXT
+from vitruvius.agent.planner.goal import ARRIVED_HALF_CELLS
 from vitruvius.agent.planner.mapping.scan import WALL
 from vitruvius.agent.planner.mapping.visibility import FINE
 from vitruvius.agent.planner.step import SKIPPED, Step
 from vitruvius.sim.backends.free.body import TURN, cosine_sine
 from vitruvius.sim.runtime import Bytes, Floats, Ints, kernel, ti
 
-ALONG = 0.1
+ALIGNED_RAD = 0.1
 """Largest angle, in radians, between the heading and an eighth of a turn at which a look counts as along
 it."""
 
-STUCK = 0.2
+STUCK_STEP_FRACTION = 0.2
 """Fraction of a step: a blocked body that moves less is stuck and does not slide along an obstacle."""
 
-BEFORE = 1.2
+BLOCKED_AHEAD_CELLS = 1.2
 """Cells from the middle of a stuck body to the place ahead that is then marked as blocked."""
 
 
@@ -87,7 +87,7 @@ class DrivingStep(Step):
         eighths = driven.pose[3 * e + 2] * ti.static(8 / TURN)
         nearest = ti.floor(eighths + 0.5)
         state.heading = ti.cast(nearest, ti.i32) & 7
-        state.aligned = ti.cast(ti.abs(eighths - nearest) < ti.static(ALONG * 8 / TURN), ti.i32)
+        state.aligned = ti.cast(ti.abs(eighths - nearest) < ti.static(ALIGNED_RAD * 8 / TURN), ti.i32)
         state.time += 1
         return state, eye
 
@@ -130,9 +130,10 @@ class DrivingStep(Step):
             driven.place[2 * e + k] = eye[k]
         x, y = state.x >> 1, state.y >> 1
         self.occupancy.clear(memory, base, x, y)
-        if blocked and moved < ti.static(STUCK * self.travel):
+        if blocked and moved < ti.static(STUCK_STEP_FRACTION * self.travel):
             there = ti.cast(
-                ti.floor(eye + BEFORE * turned(ti.Vector([1.0, 0.0]), cosine, sine) + 0.5), ti.i32
+                ti.floor(eye + BLOCKED_AHEAD_CELLS * turned(ti.Vector([1.0, 0.0]), cosine, sine) + 0.5),
+                ti.i32,
             )
             if there[0] != x or there[1] != y:
                 sight.hits += self.occupancy.close(memory, base, there[0], there[1])
@@ -143,7 +144,7 @@ class DrivingStep(Step):
         """Write the course to the goal, or the turn to look from the goal; without a course, turn left."""
         way, heading = self.course.aim(memory, base, state, eye), driven.pose[3 * e + 2]
         off, room = ti.f32(math.pi / 2), ti.f32(0.0)
-        if (state.kind == SEARCH) & (state.look >= 0) & (state.path <= NEXT):
+        if (state.kind == SEARCH) & (state.look >= 0) & (state.path <= ARRIVED_HALF_CELLS):
             off = ti.cast(state.look, ti.f32) * ti.static(TURN / 8) - heading
         elif way.norm() > 0.0:
             off, room = ti.atan2(-way[1], way[0]) - heading, -1.0

@@ -11,7 +11,7 @@ from vitruvius.agent.planner.mapping.occupancy import Occupancy
 from vitruvius.agent.planner.mapping.visibility import FINE
 from vitruvius.sim.runtime import ti
 
-PITCH = 0.7
+POINT_PITCH_CELLS = 0.7
 """Cells between points along a ray, and approximately along an arc: a cell's diagonal has two points."""
 
 
@@ -33,10 +33,10 @@ class Sweep:
 
         The rays' ends lie in ``reached``, the furthest ``furthest`` fractions (``FINE``) of a cell away.
         """
-        new, away = 0, PITCH
+        new, away = 0, POINT_PITCH_CELLS
         most = ti.cast(furthest, ti.f32) / ti.static(float(FINE)) - self.beyond
         while away <= most:
-            points = ti.max(1, ti.cast(ti.ceil(ti.static(self.fan / PITCH) * away), ti.i32))
+            points = ti.max(1, ti.cast(ti.ceil(ti.static(self.fan / POINT_PITCH_CELLS) * away), ti.i32))
             far = ti.cast((away + self.beyond) * ti.static(float(FINE)), ti.i32)
             for k in range(points + 1):
                 at = ti.cast(k, ti.f32) * ti.static(float(self.rays - 1)) / ti.cast(points, ti.f32)
@@ -59,7 +59,7 @@ class Sweep:
                         ti.cast(ti.floor(point[0]), ti.i32), ti.cast(ti.floor(point[1]), ti.i32)
                     )
                     new += self.occupancy.unseen(self.occupancy.see(memory, base, node, 0, time))
-            away += PITCH
+            away += POINT_PITCH_CELLS
         return new
 
     @ti.func

@@ -23,7 +23,7 @@ SOLID, NEAR, OCCUPIED = 1, 2, 1 << 15
 FLAGS = 2
 """Number of flags below the step."""
 
-LATEST = (1 << 15 - FLAGS) - 1
+MAX_STEP = (1 << 15 - FLAGS) - 1
 """Last step that a cell can store."""
 
 TILE = 4

@@ -8,7 +8,7 @@ drop-out. It shows no more floor than the ray next to it, and no end. Exact rays
 
 import math
 
-from vitruvius.agent.avoidance import SPREAD, pair
+from vitruvius.agent.avoidance import NOISE_DEVIATIONS, pair
 from vitruvius.agent.planner.core.body import BodyModel
 from vitruvius.agent.planner.mapping.visibility import FINE
 from vitruvius.sim.runtime import ti
@@ -16,16 +16,16 @@ from vitruvius.sim.runtime import ti
 NOTHING, WALL, TARGET, DOOR = range(4)
 """Kinds of ray ends: the range, a wall or a piece of furniture, the target, a closed door."""
 
-LEAST = 3
+MIN_RAYS_ON_LINE = 3
 """Least number of rays that must agree on a line."""
 
-ASIDE = 6
+MAX_NEIGHBOURS = 6
 """Number of neighbours to each side of a ray that are read."""
 
-GRAZING = 0.1
+MIN_FACE_SINE = 0.1
 """Sine of the angle to a face below which a ray is not used to locate the face."""
 
-SLIPS = 0.01
+SLIP_PROBABILITY = 0.01
 """Prior probability that an action was not carried out, before a look gives evidence."""
 
 
@@ -39,9 +39,11 @@ class Scan:
         self.ray_range, self.noise, self.dropout = body.ray_range / FINE, body.noise, body.dropout
         self.apart, self.eighth = pair(body.noise), body.eighth
         self.error = max(body.noise, 0.05) / self.ray_range
-        self.margin = LEAST if body.noise > 0 else 1
-        self.most = 1.0 - SPREAD * self.noise / self.ray_range  # a ray that met nothing ends there by noise
-        self.tolerance = 1e-3 + SPREAD * 2**0.5 * self.noise
+        self.margin = MIN_RAYS_ON_LINE if body.noise > 0 else 1
+        self.most = (
+            1.0 - NOISE_DEVIATIONS * self.noise / self.ray_range
+        )  # a ray that met nothing ends there by noise
+        self.tolerance = 1e-3 + NOISE_DEVIATIONS * 2**0.5 * self.noise
 
     @ti.func
     def said(self, observation: ti.template(), e, ray, column: ti.template()):
@@ -111,22 +113,22 @@ class Scan:
     @ti.func
     def averaged(self, tables: ti.template(), observation: ti.template(), e, heading, ray, d, kind):
         """Return where a ray meets the mean line of the neighbours that end on the same face."""
-        most, mean_end = LEAST - 1, d
+        most, mean_end = MIN_RAYS_ON_LINE - 1, d
         for axis in ti.static(range(2)):
             j = 2 * heading * self.rays + axis
             way = tables.directions[j + 2 * ray]
-            if ti.abs(way) > ti.static(GRAZING * self.ray_range):
+            if ti.abs(way) > ti.static(MIN_FACE_SINE * self.ray_range):
                 number, weights, mean = 0, 0.0, 0.0
                 for side in ti.static((-1, 1)):
                     k, going = ti.static(max(-side, 0)), 1  # this ray itself counts once
-                    while going & (k <= ASIDE):
+                    while going & (k <= MAX_NEIGHBOURS):
                         other = ray + side * k
                         going = ti.cast((other >= 0) & (other < self.rays), ti.i32)
                         if going:
                             across = tables.directions[j + 2 * other]
                             line = self.raw(observation, e, other) * across
                             within = ti.max(ti.abs(way), ti.abs(across)) * ti.static(
-                                SPREAD * 2**0.5 * self.noise / self.ray_range
+                                NOISE_DEVIATIONS * 2**0.5 * self.noise / self.ray_range
                             )
                             same = self.kind(observation, e, other) == kind
                             going = ti.cast(same & (ti.abs(line - d * way) < within + 1e-3), ti.i32)
@@ -148,7 +150,7 @@ class Scan:
         compares this look with what the last look predicts in either case. If both predictions are equally
         good, the action counts as carried out.
         """
-        odds = ti.cast(ti.static(2 * math.log(1 / SLIPS)), ti.f32)
+        odds = ti.cast(ti.static(2 * math.log(1 / SLIP_PROBABILITY)), ti.f32)
         for ray in range(self.rays):
             before = memory.last[e * self.rays + ray]
             now = self.raw(observation, e, ray)
@@ -186,6 +188,6 @@ class Scan:
                 - memory.last[at + high] * tables.directions[j + 2 * high]
             )
             across = tables.directions[j + 2 * ray]
-            if (ti.abs(gap) < least) & (ti.abs(across) > ti.static(GRAZING * self.ray_range)):
+            if (ti.abs(gap) < least) & (ti.abs(across) > ti.static(MIN_FACE_SINE * self.ray_range)):
                 nearer, least = way[axis] / across, ti.abs(gap)
         return nearer

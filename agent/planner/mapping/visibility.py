@@ -16,13 +16,13 @@ from vitruvius.sim.runtime import ti
 FINE = 512
 """Units of distance in a cell."""
 
-BAND = 4
+BAND_CELLS = 4
 """Number of cells of a ray that are skipped at a time if they were already marked."""
 
 
 def bands(ray_range: float) -> int:
-    """Return the number of multiples 0, 1, 2 ... of ``BAND`` cells within a ray's range, in cells."""
-    return int(ray_range / BAND) + 1
+    """Return the number of multiples 0, 1, 2 ... of ``BAND_CELLS`` within a ray's range, in cells."""
+    return int(ray_range / BAND_CELLS) + 1
 
 
 def fan(
@@ -35,7 +35,7 @@ def fan(
     lists are a ray's own cells, then those between it and the next ray.
 
     The second array (32, R, bands) int32 is the number of its own cells that a ray passes before it has gone
-    0, 1, 2 ... times ``BAND`` cells. The third array has all the lists, one after the other, int32. A value
+    0, 1, 2 ... times ``BAND_CELLS``. The third array has all the lists, one after the other, int32. A value
     is the distance that a ray must go, in units of ``FINE``, times 2^16, plus the offset from the eye's own
     cell. An offset is south times 2^8 plus east, both modulo 2^8 (``Occupancy.beside``).
     """
@@ -43,7 +43,7 @@ def fan(
     south, east = np.mgrid[-wide:wide, -wide:wide].reshape(2, -1)
     middles = np.append((angles[1:] + angles[:-1]) / 2, -np.inf)
     starts, skips, lists, begun = [], [], [], 0
-    along = BAND * FINE * np.arange(bands(ray_range)) << 16
+    along = BAND_CELLS * FINE * np.arange(bands(ray_range)) << 16
     for heading in range(len(HEADINGS)):
         for odd in range(4):
             x, y = east + 0.5 - 0.5 * (odd & 1), south + 0.5 - 0.5 * (odd >> 1)
@@ -115,7 +115,7 @@ class Visibility:
             between = ti.min(here, ti.select(ray > 0, last_reached, here)) - margin
             along = ti.max(ti.min(between, memory.reached[place + (ray + 1 < self.rays)] - margin), 0)
         if far > along:
-            skip = tables.skips[row * self.bands + along // ti.static(BAND * FINE)]
+            skip = tables.skips[row * self.bands + along // ti.static(BAND_CELLS * FINE)]
             new += self.mark(memory, tables, base, corner, middle + skip, last, far, time)
         if ti.min(far, last_far) > between:
             new += self.mark(memory, tables, base, corner, first, middle, ti.min(far, last_far), time)

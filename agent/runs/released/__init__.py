@@ -10,7 +10,7 @@ from vitruvius.logic.spelling import unknown
 FORMAT = "vitruvius-agent-3"
 """Format of checkpoints, which ``agent.runs.checkpoint`` reads and writes."""
 
-MOST_BYTES, MOST_HEADER = 1 << 28, 1 << 20
+MAX_BYTES, MAX_HEADER_BYTES = 1 << 28, 1 << 20
 """Largest size of a checkpoint and of its header, in bytes: ours have less than 1 MiB, headers of 4 KiB."""
 
 LEARNT_IN = "learnt_in"
@@ -51,9 +51,9 @@ def located(path: str | Path) -> Path:
 
 def require_sizes(path: Path) -> None:
     """Raise ``CheckpointError`` for a file above the limits, and ``OSError`` clearer than safetensors's."""
-    with opened(path, MOST_BYTES, unpack=False) as file:
+    with opened(path, MAX_BYTES, unpack=False) as file:
         header = int.from_bytes(file.read(8), "little")
-    if MOST_HEADER < header < path.stat().st_size:
+    if MAX_HEADER_BYTES < header < path.stat().st_size:
         raise CheckpointError(
-            f"{path}: its header has more than {MOST_HEADER >> 20} MiB: no checkpoint's has"
+            f"{path}: its header has more than {MAX_HEADER_BYTES >> 20} MiB: no checkpoint's has"
         )

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import torch
 
-from vitruvius.agent.baselines.script import FULL_TURN, Script
+from vitruvius.agent.baselines.script import FULL_TURN_STEPS, Script
 from vitruvius.sim.actions import FORWARD, LEFT, RIGHT
 
 
@@ -34,7 +34,7 @@ def test_the_script_turns_to_the_target_and_goes(aside, action):
 def test_without_a_target_the_script_looks_all_around_and_then_walks():
     policy, nothing = script(), torch.ones(1, 40, 2) * torch.tensor([1.0, 0.0])
     actions = [policy(nothing, torch.zeros(1).bool()).item() for _ in range(30)]
-    assert actions[:FULL_TURN] == [LEFT] * FULL_TURN
+    assert actions[:FULL_TURN_STEPS] == [LEFT] * FULL_TURN_STEPS
     assert actions.count(FORWARD) > 15
 
 

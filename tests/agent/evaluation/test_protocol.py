@@ -67,7 +67,7 @@ def test_a_short_evaluation_gives_the_figures_of_the_whole_one(measured):
 
 
 def test_a_large_bank_is_played_part_by_part_with_the_same_starts_and_targets(measured, monkeypatch):
-    monkeypatch.setattr(protocol, "PART", 3)
+    monkeypatch.setattr(protocol, "PART_HOUSES", 3)
     [parts] = measure({}, HOUSES, ("secondary",), seed=3, baselines=("explorer", "oracle"))
     assert np.array_equal(parts.shortest, measured.shortest)
     for name in parts.policies:

@@ -13,7 +13,16 @@ from vitruvius.agent.banks import benchmark, geometry_hash, named
 from vitruvius.agent.play.beside import people_tables, replayable
 from vitruvius.agent.play.game import Game, agents_scenes, replayed
 from vitruvius.agent.play.results import PlayedGame, ResultsError, append, load
-from vitruvius.agent.play.window import EDGE, LARGE, MIN_WIDTH, TURN_EVERY, WORDS, GameWindow, Panel, fitted
+from vitruvius.agent.play.window import (
+    EDGE,
+    LARGE_PX,
+    MIN_WIDTH,
+    TURN_EVERY,
+    WORDS,
+    GameWindow,
+    Panel,
+    fitted,
+)
 from vitruvius.agent.runs import checkpoint
 from vitruvius.cli import main
 from vitruvius.logic import MissingProgram, save
@@ -292,7 +301,7 @@ def test_a_game_of_the_papers_human_benchmark_stands_beside_agents_that_play_its
 def test_a_name_and_its_score_are_whole_above_a_plan_and_on_the_card_of_results(
     window: GameWindow, name: str
 ) -> None:
-    said = fitted(f"{name}: 12", LARGE, (MIN_WIDTH - EDGE, 30), WORDS)
+    said = fitted(f"{name}: 12", LARGE_PX, (MIN_WIDTH - EDGE, 30), WORDS)
     assert said.get_width() <= MIN_WIDTH - EDGE
     assert said.get_height() <= 30
     window.surface = pygame.display.set_mode((MIN_WIDTH, 400))

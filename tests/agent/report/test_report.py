@@ -206,7 +206,7 @@ def test_what_cannot_be_reported_is_said_in_one_line(tmp_path, make, error, says
 
 
 def test_of_scores_in_a_bank_of_the_benchmark_its_houses_are_shown(tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr(plans, "MOST", 20)
+    monkeypatch.setattr(plans, "MAX_PLANS", 20)
     bank = ScoredBank(bank_hash(benchmark()), "test-v1", 256)
     one = result(scores([5] * 256), oracle=[10] * 256, rooms=[2] * 256, shortest=[9] * 256)
     (tmp_path / "evaluation.json").write_bytes(ScoreFile(bank, 0, modes_of([one])).json())

@@ -13,7 +13,7 @@ from tests.agent.report.conftest import HOUSE, STEPS, recorded, untrained, with_
 from vitruvius.agent.planner import FREE, TAKEN
 from vitruvius.agent.recording import trace
 from vitruvius.agent.recording.film import watch
-from vitruvius.agent.recording.recorder import EVERY, Recorder
+from vitruvius.agent.recording.recorder import PICTURE_STEPS, Recorder
 from vitruvius.agent.recording.trace import FORMAT, Packed, Trace, TraceError
 from vitruvius.sim.geometry import geometry
 
@@ -80,8 +80,8 @@ def test_the_map_lies_on_the_house(both) -> None:
     made, notes = both
     assert made.map
     ground = made.map.ground.array()
-    assert len(ground) == -(-STEPS // EVERY)
-    _, occupancy, _ = notes.states[(len(ground) - 1) * EVERY]
+    assert len(ground) == -(-STEPS // PICTURE_STEPS)
+    _, occupancy, _ = notes.states[(len(ground) - 1) * PICTURE_STEPS]
     assert np.count_nonzero(ground[-1] == 3) == np.count_nonzero(occupancy == TAKEN)
     assert np.count_nonzero(np.isin(ground[-1], (1, 2))) == np.count_nonzero(occupancy == FREE)
     rows, columns = np.nonzero(ground[-1] == 3)

@@ -46,7 +46,7 @@ def ended(tmp_path_factory) -> Path:
     """Return the folder of a run that has ended, made once."""
     folder = tmp_path_factory.mktemp("ended") / "run"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(runs, "SAVE_EVERY", 0.0)
+        patch.setattr(runs, "SAVE_SECONDS", 0.0)
         run(HOUSES, CONFIG, folder, name="pqn", command="vitruvius train ...")
     return folder
 
@@ -60,7 +60,7 @@ def folder(ended: Path, tmp_path: Path) -> Path:
 @pytest.fixture(autouse=True)
 def keeping_at_once(monkeypatch):
     """Save all after every report."""
-    monkeypatch.setattr(runs, "SAVE_EVERY", 0.0)
+    monkeypatch.setattr(runs, "SAVE_SECONDS", 0.0)
 
 
 def metrics(folder: Path) -> list[dict]:
@@ -194,7 +194,7 @@ def test_a_run_that_is_ended_is_saved_at_the_next_report(number, end, tmp_path, 
         return reports[-1]
 
     monkeypatch.setattr(PQN, "iterate", terminated)
-    monkeypatch.setattr(runs, "SAVE_EVERY", 1e9)
+    monkeypatch.setattr(runs, "SAVE_SECONDS", 1e9)
     with pytest.raises(end):
         run(HOUSES, CONFIG, tmp_path / "run")
     assert checkpoint.load(tmp_path / "run/agent.safetensors").steps == 384

@@ -91,7 +91,7 @@ jobs = [
     for name, script in scripts.items()
 ]
 how = {"modes": ("main",), "baselines": ("script", "oracle"), "episodes": 2}
-protocol.PART = 2
+protocol.PART_HOUSES = 2
 with cluster.connected(sys.argv[1]) as nodes:
     alone, tasks = (modes_of(protocol.measure({}, houses, **how, cluster=each)) for each in (None, nodes))
     print(alone == tasks)

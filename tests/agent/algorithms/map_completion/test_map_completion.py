@@ -10,7 +10,13 @@ from benchmarks.planner.contenders import with_shuffled_predictions
 from benchmarks.planner.truth import truth
 from vitruvius.agent.algorithms.build import network_of, policy_of
 from vitruvius.agent.algorithms.map_completion.config import CompletionConfig
-from vitruvius.agent.algorithms.map_completion.foresight import ANYWAY, EVERY, NEWS, TOGETHER, Foresight
+from vitruvius.agent.algorithms.map_completion.foresight import (
+    MAX_STEPS_BETWEEN,
+    MIN_NEW_CELLS,
+    MIN_STEPS_BETWEEN,
+    STEP_INTERVAL,
+    Foresight,
+)
 from vitruvius.agent.algorithms.map_completion.learner import TARGETS, WindowBatch, completion_loss, turned
 from vitruvius.agent.algorithms.map_completion.marks import Marks
 from vitruvius.agent.algorithms.map_completion.network import WINDOW, CompletionNetwork, Prediction
@@ -478,17 +484,17 @@ def test_it_predicts_where_something_is_new_or_was_found_or_after_a_while(monkey
     monkeypatch.setattr(planner, "step", lambda *given: None)
     at = [AT[name] + SIZE * np.arange(3) for name in ("time", "seen", "found", "kind")]
     nothing = torch.ones(3, planner.world.rays, planner.world.channels), torch.zeros(3, dtype=torch.bool)
-    now = 12 * TOGETHER + 1
-    for where, values in zip(at, ([now - 1] * 3, [0, NEWS, 0], [0, 0, 1], [NONE] * 3), strict=True):
+    now = 12 * STEP_INTERVAL + 1
+    for where, values in zip(at, ([now - 1] * 3, [0, MIN_NEW_CELLS, 0], [0, 0, 1], [NONE] * 3), strict=True):
         states[where] = values
-    foresight.age[:] = EVERY
+    foresight.age[:] = MIN_STEPS_BETWEEN
     foresight.look(*nothing)
     assert not asked  # not every step
     states[at[0]] = now
     foresight.look(*nothing)
     states[at[3]] = TARGET  # a target that is known need not be sought
     foresight.look(*nothing)
-    states[at[3]], foresight.age[:] = NONE, [ANYWAY, 0, 0]
+    states[at[3]], foresight.age[:] = NONE, [MAX_STEPS_BETWEEN, 0, 0]
     foresight.look(*nothing)
     assert asked == [[1, 2], [], [0, 2]]
 

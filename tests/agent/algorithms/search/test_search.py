@@ -16,7 +16,7 @@ from vitruvius.agent.algorithms.search.crop import box, by_size, cropped
 from vitruvius.agent.algorithms.search.learner import choice_loss, value_loss
 from vitruvius.agent.algorithms.search.maps import MapReader
 from vitruvius.agent.algorithms.search.network import (
-    NODE,
+    NODE_STEPS,
     SIZES,
     ViewNetwork,
     cost,
@@ -269,9 +269,9 @@ def test_what_a_view_is_worth_is_of_its_place_and_heading_in_the_house(valued):
 def test_a_path_costs_its_steps():
     envs = make_envs(HOUSES[:1], 1, "secondary")
     planner = Explorer(shield(envs), envs.config).tracker.planner
-    assert round(planner.cell / envs.config.step) == NODE
+    assert round(planner.cell / envs.config.step) == NODE_STEPS
     straight = cost(torch.tensor([[[10]]]), torch.zeros(1, HEADINGS, 1, 1))
-    assert float(straight[0, 0, 0, 0]) == 4 + 10 * NODE
+    assert float(straight[0, 0, 0, 0]) == 4 + 10 * NODE_STEPS
 
 
 def test_targets_that_were_not_seen_lie_where_the_map_says_that_they_may():

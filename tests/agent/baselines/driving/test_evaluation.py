@@ -163,7 +163,7 @@ def test_an_agent_of_the_other_kind_of_motion_is_refused_before_it_plays(config,
 
 
 def test_a_house_of_too_many_corners_is_refused_before_anything_plays(monkeypatch):
-    monkeypatch.setattr(roadmap, "MOST_CORNERS", 3)
+    monkeypatch.setattr(roadmap, "MAX_CORNERS", 3)
     monkeypatch.setattr(protocol, "play", lambda *_: pytest.fail("it plays"))
     with pytest.raises(
         HouseFileError, match=r"house \d of 4 has \d+ corners that paths may turn at: 3 at most"
