@@ -62,8 +62,6 @@ class Builder:
         self._of_given: tuple[Brief | OwnPlan, Maker] | None = None
         self.origin: Any = None
         """Origin of the last house: its layout and programs."""
-        self._by: Maker | None = None
-        """Generator of the last house."""
         self._promises = WeakKeyDictionary[Program | Maker, Promises]()
         self.versions = {
             "vitruvius": version("vitruvius"),
@@ -100,7 +98,6 @@ class Builder:
             maker = self._thorough_maker(request) if thorough else self.maker_of(request)
             work = Work(np.random.default_rng([seed, index]), request.inferences)
             made, self.origin = maker.made(request, work)
-            self._by = maker
         except OutOfInferences:
             late = f"house {index} reached its limit of {request.inferences} inferences"
             raise LimitReached(f"{late}: raise it with --inferences. {self.account}") from None
@@ -133,8 +130,9 @@ class Builder:
         if given is None:
             return self.maker
         if self._of_given is None or self._of_given[0] != given:
-            maker_of_given = brief_maker if request.brief else given_plan_maker
-            self._of_given = given, maker_of_given(self.grammar, self.loaded, given)
+            rules = self.grammar, self.loaded
+            made = brief_maker(*rules, given) if isinstance(given, Brief) else given_plan_maker(*rules, given)
+            self._of_given = given, made
         return self._of_given[1]
 
     def require_known(self, request: HouseRequest) -> None:
@@ -162,11 +160,13 @@ class Builder:
             pieces = [furniture[type_]] if type_ else furniture.values()
             known("piece", piece, {each for room in pieces for each in room})
 
-    def promises(self, request: HouseRequest) -> Promises:
-        """Return the promises of the houses of a request."""
+    def promises(self, request: HouseRequest, of_brief: Program | None = None) -> Promises:
+        """Return the promises of the houses of a request.
+
+        ``of_brief`` is the program of a house by its brief, as no other program has the facts of the brief.
+        """
         maker = self.maker_of(request)
-        # Each house of a brief has a program of its own, and no other program has its facts.
-        program = self.origin.program if request.brief and self._by is maker else maker.stated(request)
+        program = of_brief or maker.stated(request)
         if self.loaded.depths and (sizes := self.programs.unit_sizes(request.rooms)):
             program = self.programs.rooms(sizes[0])  # the program of the units has no typical facts
         key = maker if request.brief else program
@@ -190,6 +190,6 @@ class Builder:
             seed=seed,
             index=index,
             versions=self.versions,
-            promises=self.promises(request),
+            promises=self.promises(request, self.origin.program if request.brief else None),
             gave_way=tuple(map(self.grammar.cited, self.grammar.gave_way)),
         )

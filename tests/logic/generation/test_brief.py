@@ -252,7 +252,7 @@ def test_the_program_of_a_house_by_a_brief_is_freed_with_the_next_one() -> None:
     programs = list[Any]()
     for index in range(3):
         builder.house(request, 0, index)
-        programs.append(ref(builder.maker_of(request).stated(request)))
+        programs.append(ref(builder.origin.program))
     gc.collect()
     assert [program() is None for program in programs] == [True, True, False]
 

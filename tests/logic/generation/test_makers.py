@@ -332,7 +332,6 @@ def test_promises_are_those_of_the_program_or_in_a_brief_of_its_maker(
         placer=asks_nothing([]),
         grammar=stub(shares_walls=True),
         _promises={},
-        _by=None,
     )
     plain, brief = stub(brief=None, plan=None), stub(brief=stub(rooms=()), plan=None)
     promises = [Builder.promises(builder, each) for each in (plain, plain, brief, brief)]
