@@ -97,7 +97,8 @@ def _unpacked(function: Callable[..., Any]) -> inspect.Signature:
         return own
     stated = get_type_hints(keys[0]).items()
     more = [Parameter(name, Parameter.KEYWORD_ONLY, default=..., annotation=kind) for name, kind in stated]
-    return own.replace(parameters=[*others, *more])
+    named = [each for each in others if each.kind is Parameter.KEYWORD_ONLY]
+    return own.replace(parameters=[*(each for each in others if each not in named), *more, *named])
 
 
 def quoted(path: object) -> str:

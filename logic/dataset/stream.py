@@ -11,6 +11,7 @@ from vitruvius.logic.files.gallery import Houses
 from vitruvius.logic.house.house import House
 from vitruvius.logic.request.arguments import Stated, house_request
 from vitruvius.logic.request.counts import MOST_ROOMS, whole
+from vitruvius.logic.spelling import keywords
 from vitruvius.logic.workers.pool import houses
 
 MOST_HOUSES = 2**31 - 1
@@ -26,6 +27,7 @@ class HouseStream(Sequence[House]):
     House i is a function of the grammar, its request, the seed and i. The stream stores no house.
     """
 
+    @keywords(pieces="furniture", rules="grammar", timeout="seconds")
     def __init__(
         self,
         rooms: int | Sequence[int],

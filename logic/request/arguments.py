@@ -21,6 +21,7 @@ from vitruvius.logic.request.house_request import (
     ranges_of,
 )
 from vitruvius.logic.request.own_plan import OwnPlan
+from vitruvius.logic.spelling import keywords
 
 PLAIN = "plain"
 """Grammar for a brief without a grammar. It states nothing about rooms."""
@@ -53,6 +54,7 @@ class Stated(Drawn, total=False):
     brief: str | Path | Mapping[str, Any] | Brief | None
 
 
+@keywords()
 def house_request(rooms: int | tuple[int, int] | None = None, **stated: Unpack[Stated]) -> HouseRequest:
     """Return the request of the arguments of ``generate``, whose ``rooms`` may also be a range.
 

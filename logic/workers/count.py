@@ -4,7 +4,6 @@ import time
 from collections.abc import Callable, Iterator
 from typing import Unpack
 
-from vitruvius.logic.errors import RequestError
 from vitruvius.logic.request.arguments import Counted, house_request
 from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.spelling import keywords
@@ -33,13 +32,7 @@ def count_layouts(
 
 
 def counted(request: HouseRequest, report: Report) -> Iterator[tuple[str, int, bool]]:
-    """Return the counts of ``count_layouts``, which yields them one by one."""
-    if request.given or request.fixed:
-        raise RequestError("layouts are counted of whole houses: leave out plan, brief and keep")
-    return _counts(request, report)
-
-
-def _counts(request: HouseRequest, report: Report) -> Iterator[tuple[str, int, bool]]:
+    """Yield the counts of ``count_layouts`` one by one."""
     worker = Solver(Open(grammar=str(request.rules.directory), cell=request.cell))
     seconds = request.seconds
     try:

@@ -15,6 +15,10 @@ def count_layouts(command: Any) -> int:
     from vitruvius.answers.houses import Layouts
     from vitruvius.logic.workers.count import counted
 
+    others = {"keep": command.keep, "plan": command.plan, "brief": command.brief, "shard": command.shard}
+    for option, given in others.items():
+        if given:
+            raise RequestError(f"--count-layouts counts those of whole houses: leave out --{option}")
     if command.out:
         raise RequestError("--count-layouts makes no houses: leave out --out")
     request = command.request()

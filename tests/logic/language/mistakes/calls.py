@@ -15,6 +15,7 @@ from vitruvius.logic import (
     GrammarError,
     House,
     HouseFileError,
+    HouseStream,
     Rect,
     RequestError,
     Star,
@@ -53,6 +54,7 @@ MISTAKES = (
     ),
     Call(generate, {"rooms": 4, "n": 9}, ("unexpected keyword argument 'n': did you mean count?",)),
     Call(generate, {"rooms": 4, "theme": 9}, ("unexpected keyword argument 'theme': it has rooms, types",)),
+    Call(HouseStream, {"rooms": 4, "number": 9}, ("unexpected keyword argument 'number'",)),
     Call(
         count_layouts, {"rooms": 4, "seed": 1}, ("count_layouts() got an unexpected keyword argument 'seed'",)
     ),
