@@ -34,8 +34,8 @@ def imported(name: str) -> Any:
     """
     if name not in _ALLOWED:
         raise ValueError(
-            f"{name} is code, and no file may name code. If you trust it, add --allow {name}, or in Python "
-            f'call vitruvius.sim.allow("{name}")'
+            f"{name} is code, and a file may not name code by itself. If you trust it, add --allow {name}, "
+            f'or in Python call vitruvius.sim.allow("{name}")'
         )
     module, _, attribute = name.partition(":")
     return getattr(importlib.import_module(module), attribute)

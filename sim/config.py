@@ -187,39 +187,46 @@ class Config:
         if self.eye is None:
             object.__setattr__(self, "eye", Derived(side / 2 for side in self.body))
         if not all(0 <= at <= side for at, side in zip(self.eye, self.body, strict=True)):
-            raise ValueError(f"eye is {self.eye} m: it must lie in the body, which is {self.body} m wide")
+            raise ValueError(
+                f"eye is {self.eye} m: it must lie within the body, which measures {self.body} m"
+            )
         if not (1 <= self.rays <= MOST_RAYS and 1 <= self.steps < 2**31):
             found = f"{self.rays} rays and {self.steps} steps"
-            raise ValueError(f"{found}: 1 to {MOST_RAYS:,} rays and 1 to {2**31 - 1:,} steps")
+            raise ValueError(f"{found}: give 1 to {MOST_RAYS:,} rays and 1 to {2**31 - 1:,} steps")
         if not 0 < self.ray_spacing <= 360 or not abs(self.first_ray) < float("inf"):
             found = f"ray_spacing is {self.ray_spacing} degrees, first_ray {self.first_ray}"
-            raise ValueError(f"{found}: the one above 0 and at most 360, the other finite")
+            raise ValueError(
+                f"{found}: ray_spacing must be above 0 and at most 360, first_ray must be finite"
+            )
         if not 0 <= self.angle_noise <= MOST_ANGLE_NOISE:
-            raise ValueError(f"angle_noise is {self.angle_noise} degrees: from 0 to {MOST_ANGLE_NOISE}")
+            raise ValueError(f"angle_noise is {self.angle_noise} degrees: it must be 0 to {MOST_ANGLE_NOISE}")
         if not (0 <= self.noise < float("inf") and 0 <= self.dropout <= 1 and 0 <= self.slip <= 1):
             found = f"noise {self.noise} m, dropout {self.dropout} and slip {self.slip}"
-            raise ValueError(f"{found}: not negative, and the last two at most 1")
+            raise ValueError(f"{found}: none may be negative; dropout and slip must be at most 1")
         if not 0 <= self.latency <= MOST_LATENCY:
-            raise ValueError(f"latency is {self.latency} steps: from 0 to {MOST_LATENCY}")
+            raise ValueError(f"latency is {self.latency} steps: it must be 0 to {MOST_LATENCY}")
         if len(set(self.kinds)) < len(self.kinds) or len(self.kinds) > MOST_KINDS:
-            raise ValueError(f"kinds are {', '.join(self.kinds)}: each once, {MOST_KINDS} at most")
+            raise ValueError(f"kinds are {', '.join(self.kinds)}: name each once, and at most {MOST_KINDS}")
         if strange := next((each for each in self.observe if each not in OBSERVABLE), None):
             raise ValueError(f"observe: {unknown('observation', strange, OBSERVABLE)}")
         if not self.observe or len(set(self.observe)) < len(self.observe):
-            raise ValueError(f"observe is {', '.join(self.observe) or 'nothing'}: one at least, each once")
+            raise ValueError(
+                f"observe is {', '.join(self.observe) or 'nothing'}: name at least one part, "
+                "and each part once"
+            )
         if not 0 <= self.drift < float("inf"):
-            raise ValueError(f"drift is {self.drift}: not negative")
+            raise ValueError(f"drift is {self.drift}: it must not be negative")
         self._require_varied()
         if self.collision not in ("swept", "original"):
-            raise ValueError(f"unknown collision {self.collision!r}: there are swept, original")
+            raise ValueError(f"unknown collision {self.collision!r}: choose swept or original")
         if not 0 <= self.closed_doors <= MOST_PUSHES:
-            raise ValueError(f"closed_doors is {self.closed_doors} steps: from 0 to {MOST_PUSHES}")
+            raise ValueError(f"closed_doors is {self.closed_doors} steps: it must be 0 to {MOST_PUSHES}")
         if self.closed_doors and (
             self.collision != "swept" or self.ends_on_collision or self.body[0] != self.body[1]
         ):
             raise ValueError(
-                "closed_doors needs collision 'swept', a body as wide on a diagonal as along an axis, and "
-                "episodes that do not end on a collision: walking at a door is one"
+                "closed_doors needs collision 'swept', a square body, and ends_on_collision=False, since "
+                "pushing a door is a collision"
             )
 
     def _require_varied(self) -> None:
@@ -234,7 +241,8 @@ class Config:
             raise ValueError("varied: name each field once")
         if self.varies("width") and (self.closed_doors or self.knows_distance or self.collision != "swept"):
             raise ValueError(
-                "varied: width cannot vary with closed doors, distances or the collision 'original'"
+                "varied: width cannot vary together with closed doors, distances to the target or collision "
+                "'original'"
             )
 
     def most(self, name: str) -> float:
@@ -248,9 +256,7 @@ class Config:
     def require_lattice(self, who: str) -> None:
         """Raise ``ValueError`` if bodies move continuously: the caller ``who`` counts steps on a lattice."""
         if self.drives:
-            raise ValueError(
-                f"{who} counts steps on a lattice: take the backend continuous or grid, not free"
-            )
+            raise ValueError(f"{who} counts grid steps: use the backend continuous or grid, not free")
 
     def require_few_directions(self) -> None:
         """Raise ``ValueError`` if rays have too many directions for a table of eight headings."""
@@ -260,7 +266,9 @@ class Config:
                 f"{LEAST_SPACING}, except in the backend free"
             )
         if self.angle_noise:
-            raise ValueError(f"angle_noise is {self.angle_noise:g} degrees: the backend free alone has it")
+            raise ValueError(
+                f"angle_noise is {self.angle_noise:g} degrees: only the backend free supports it"
+            )
 
     @property
     def rays_in_a_turn(self) -> int:

@@ -75,23 +75,28 @@ class Drive:
         """Raise ``ValueError`` for impossible values."""
         settle(self, "drive: ")
         if not (0 < self.time_step < float("inf") and 0 < self.speed < float("inf")):
-            raise ValueError(f"drive: time_step {self.time_step} s, speed {self.speed} m/s: both above 0")
+            raise ValueError(
+                f"drive: time_step {self.time_step} s, speed {self.speed} m/s: both must be above 0"
+            )
         if not all(0 <= each < float("inf") for each in (self.reverse, self.sideways, self.turn_speed)):
             found = f"reverse {self.reverse} m/s, sideways {self.sideways} m/s"
             found += f", turn_speed {self.turn_speed} rad/s"
-            raise ValueError(f"drive: {found}: not negative")
+            raise ValueError(f"drive: {found}: none may be negative")
         if not (self.acceleration > 0 and self.turn_acceleration > 0):
             found = f"acceleration {self.acceleration}, turn_acceleration {self.turn_acceleration}"
-            raise ValueError(f"drive: {found}: both above 0")
+            raise ValueError(f"drive: {found}: both must be above 0")
         if self.turn_speed * self.time_step > pi:
-            raise ValueError(f"drive: {self.turn_speed} rad/s are more than half a turn in a step")
+            raise ValueError(
+                f"drive: {self.turn_speed} rad/s is more than half a turn per step: lower "
+                "turn_speed or time_step"
+            )
         if self.at_contact not in ("slide", "stop"):
-            raise ValueError(f"drive: at_contact is {self.at_contact!r}: there are slide, stop")
+            raise ValueError(f"drive: at_contact is {self.at_contact!r}: choose slide or stop")
         if len(self.commands) > MOST_COMMANDS:
-            raise ValueError(f"drive: {len(self.commands)} commands: {MOST_COMMANDS:,} at most")
+            raise ValueError(f"drive: {len(self.commands)} commands: at most {MOST_COMMANDS:,} are supported")
         for pair in self.commands:
             if not self.allows(pair):
-                raise ValueError(f"drive: command {pair}: {self.names} within the greatest speeds")
+                raise ValueError(f"drive: command {pair}: {self.names} must not exceed the maximum speeds")
 
     def allows(self, command: tuple[float, ...]) -> bool:
         """Return True if a command is within the largest speeds."""
@@ -129,4 +134,4 @@ class Drive:
     def require_heading(self, who: str) -> None:
         """Raise ``ValueError`` if bodies drive sideways, for a caller ``who`` that only drives forward."""
         if self.sideways:
-            raise ValueError(f"{who} drives where its body heads: take a drive without sideways")
+            raise ValueError(f"{who} drives only along its heading: use a drive with sideways=0")

@@ -198,7 +198,7 @@ def require_film(path: str | Path) -> None:
     """
     if Path(path).suffix.lower() not in FILMS:
         example = Path(path).with_suffix(".gif") if Path(path).name else Path(path, "film.gif")
-        raise ValueError(f"{path}: films are written as .gif or .mp4: use {example}")
+        raise ValueError(f"{path}: a film must be .gif or .mp4: use {example}")
     if Path(path).suffix.lower() == FILMS[1]:
         import_module("imageio_ffmpeg")
 
@@ -214,7 +214,7 @@ def film(frames: Iterable[Image.Image | np.ndarray], path: str | Path, fps: int 
     pictures = (frame if isinstance(frame, Image.Image) else Image.fromarray(frame) for frame in frames)
     first = next(pictures, None)
     if first is None:
-        raise ValueError(f"{path}: no frame to make a film of")
+        raise ValueError(f"{path}: there is no frame to film")
     write = _mp4 if Path(path).suffix.lower() == ".mp4" else _gif
     write_whole(path, write(chain([first], pictures), fps))
     return Path(path)

@@ -116,7 +116,9 @@ def require_straight(houses: Sequence[House], backend: str) -> None:
     for index, house in enumerate(houses):
         if any(not wall.box for wall in house.free_walls):
             where = f"house {index} of {len(houses)} has walls at an angle"
-            raise ValueError(f"{where}: the {backend} backend has none, free has")
+            raise ValueError(
+                f"{where}: the {backend} backend needs walls along the axes: use the backend free"
+            )
 
 
 def _rows(boxes: Iterable[tuple[float, float, float, float]]) -> np.ndarray:
@@ -147,9 +149,9 @@ def check_lengths(houses: Sequence[House]) -> None:
             if not (isfinite(sum(rect.box)) and rect.width >= 0 and rect.height >= 0):
                 raise ValueError(
                     f"house {index} of {len(houses)}: {name} is at ({rect.x}, {rect.y}), {rect.width} x "
-                    f"{rect.height}: all must be finite numbers of metres, sides not negative"
+                    f"{rect.height}: all must be finite numbers in metres, and no side negative"
                 )
             if max(map(abs, rect.box)) > FARTHEST:
                 at = f"house {index} of {len(houses)}: {name}"
-                hint = ": House.from_grid puts the middle of a map there" if house.occupancy else ""
-                raise ValueError(f"{at} reaches further than {FARTHEST:.0f} m from the origin{hint}")
+                hint = ": House.from_grid centres a map there" if house.occupancy else ""
+                raise ValueError(f"{at} extends more than {FARTHEST:.0f} m from the origin{hint}")

@@ -37,7 +37,7 @@ def _named() -> str:
     installed = (name for name in COMPILERS if importlib.util.find_spec(name))
     name = os.environ.get(VARIABLE) or next(installed, COMPILERS[0])
     if name not in COMPILERS:
-        raise RequestError(f"{VARIABLE}: there is no {name!r}: take one of {', '.join(COMPILERS)}")
+        raise RequestError(f"{VARIABLE}: there is no {name!r}: use one of {', '.join(COMPILERS)}")
     return name
 
 

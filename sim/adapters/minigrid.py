@@ -122,7 +122,7 @@ class MiniGridHouseEnv(KeepsSpec, MiniGridEnv):  # pyright: ignore[reportIncompa
         goal = tile(cells, self._episode["target"])
         if found[goal] != FREE:
             x, y = self._episode["target"]
-            raise ValueError(f"house {number}: the target at ({x:.3f}, {y:.3f}) m is in no free cell")
+            raise ValueError(f"house {number}: the target at ({x:.3f}, {y:.3f}) m is not in a free cell")
         self.put_obj(Goal(), *goal)
 
     def _object(self, kind: int, colour: int) -> WorldObj | None:

@@ -47,7 +47,10 @@ class StableBaselinesVecEnv(VecEnv):
         if isinstance(options, list):
             names = dict.fromkeys(name for each in options for name in each)
             if len(options) != self.num_envs or any(each.keys() != names.keys() for each in options):
-                raise ValueError(f"options: a dictionary with the same keys for each of {self.num_envs}")
+                raise ValueError(
+                    f"options: give each of the {self.num_envs} environments a dictionary, all "
+                    "with the same keys"
+                )
             options = {name: np.array([each[name] for each in options]) for name in names}
         super().set_options(options)
 

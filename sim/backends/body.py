@@ -35,7 +35,9 @@ def eighths(pose: np.ndarray) -> np.ndarray:
     """
     turns = pose[:, 2] / (np.pi / 4)
     if not np.isfinite(pose).all() or np.abs(turns - np.round(turns)).max() > 1e-3:
-        raise ValueError("a pose is (x, y, heading): finite, heading a multiple of pi/4 radians")
+        raise ValueError(
+            "a pose is (x, y, heading), three finite numbers; the heading must be a multiple of pi/4 radians"
+        )
     return np.round(turns)
 
 

@@ -88,7 +88,7 @@ def read_arguments(
         max_episode_steps = terms_of(wanted).steps or None
     config = configuration(preset, max_episode_steps)
     if render_mode not in (None, *metadata["render_modes"]):
-        raise ValueError(f"unknown render_mode {render_mode!r}: there are {metadata['render_modes']}")
+        raise ValueError(f"unknown render_mode {render_mode!r}: choose one of {metadata['render_modes']}")
     make = backend_class(backend)
     rotation = houses if isinstance(houses, HouseRotation) else None
     bank = house_list(houses)
@@ -98,11 +98,17 @@ def read_arguments(
         raise ValueError(f"preset has a drive, which backend {backend!r} does not use: use the backend free")
     require_observed(config, make)
     if config.varies("speed", "acceleration") and not config.drives:
-        raise ValueError("varied: bodies of this backend do not drive: speed and acceleration need free")
+        raise ValueError(
+            "varied: robots of this backend do not drive: speed and acceleration need the backend free"
+        )
     if config.varies("width") and not (hasattr(make, "move_with") or hasattr(make, "drive")):
-        raise ValueError("varied: bodies of this backend have a fixed width: use continuous or free")
+        raise ValueError(
+            "varied: robots of this backend have a fixed width: use the backend continuous or free"
+        )
     if config.drives and terms_of(wanted).asks_distance:
-        raise ValueError(f"backend {backend!r} has no distance to the target, which the task's terms ask for")
+        raise ValueError(
+            f"backend {backend!r} does not provide the distance to the target, which the task's terms use"
+        )
     return Arguments(config, make, bank, rotation, wanted, device)
 
 
@@ -128,7 +134,7 @@ def house_list(houses: Houses) -> list[House]:
         raise ValueError(f"houses must be a path, a request or a list of House, not {type(houses).__name__}")
     houses = [House.from_dict(each) if isinstance(each, dict) else each for each in houses]
     if not houses:
-        raise ValueError("no house to simulate: the bank is empty")
+        raise ValueError("no house to simulate: the list of houses is empty")
     for strange in (each for each in houses if not isinstance(each, House)):
         raise ValueError(
             f"houses must be a path, a request or a list of House, not of {type(strange).__name__}"
@@ -149,7 +155,7 @@ def backend_class(name: str) -> type[Backend]:
     except (ImportError, AttributeError, TypeError, ValueError) as error:
         raise ValueError(f"backend {name!r} cannot be used: {error}") from None
     if not isinstance(make, type):
-        raise ValueError(f"backend {name!r} cannot be used: it is no class")
+        raise ValueError(f"backend {name!r} cannot be used: it is not a class")
     lacking = next((method for method in METHODS if not callable(getattr(make, method, None))), None)
     if lacking:
         raise ValueError(
@@ -176,7 +182,7 @@ def whole(name: str, value: Any, most: int) -> int:
     if isinstance(value, bool) or not isinstance(value, int | np.integer):
         raise ValueError(f"{name} must be a whole number, not {value!r}")
     if not 1 <= value <= most:
-        raise ValueError(f"{name} is {value}: from 1 to {most:,}")
+        raise ValueError(f"{name} is {value}: it must be 1 to {most:,}")
     return int(value)
 
 

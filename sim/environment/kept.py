@@ -36,24 +36,27 @@ def require_state(
     kinds = {name: (array.dtype.str, array.shape) for name, array in own.items()}
     given = {name: np.asarray(array) for name, array in state.items()}
     if {name: (array.dtype.str, array.shape) for name, array in given.items()} != kinds:
-        raise ValueError(f"a state of other kinds or shapes: here they are {kinds}")
+        raise ValueError(f"the state has other dtypes or shapes: this environment has {kinds}")
     reals, wholes = given["reals"].astype(np.float64), given["wholes"]
     house, place = wholes[:, HOUSE], reals[:, :2]
     if strange := house[(house < 0) | (house >= len(geometries))].tolist():
-        raise ValueError(f"a state of another bank: a body is in house {strange[0]} of {len(geometries)}")
+        raise ValueError(
+            f"the state belongs to other houses: a robot is in house {strange[0]}, and there "
+            f"are {len(geometries)}"
+        )
     if config.drives:
         if not (np.isfinite(given["speeds"]).all() and np.isfinite(reals[:, HEADING]).all()):
-            raise ValueError("a state of no house: a speed or a heading is no finite number")
+            raise ValueError("the state is invalid: a speed or a heading is not a finite number")
     else:
         cells = wholes[:, COUNTERS:]
         place = place + config.step * cells[:, :2]  # cells are relative to the start: some are negative
         headings = np.concatenate([given.get("past_cells", cells)[:, 2], cells[:, 2]])
         if not ((headings >= 0) & (headings < len(HEADINGS))).all():
-            raise ValueError("a state of no house: a body has no heading")
+            raise ValueError("the state is invalid: a robot has no heading")
     if not (_inside(house, place, geometries) and np.isfinite(reals).all()):
-        raise ValueError("a state of no house: a body is outside its house, or a target is nowhere")
+        raise ValueError("the state is invalid: a robot or a target is outside its house")
     if not np.isfinite(given.get("others", reals)).all():
-        raise ValueError("a state of no house: a target is nowhere")
+        raise ValueError("the state is invalid: a target is outside its house")
     if "next_wholes" in given:
         _require_guide(given["next_wholes"], given["next_reals"].astype(np.float64), geometries, config)
 
@@ -77,9 +80,9 @@ def _require_guide(
         place, turned = place + config.step * cells[:, :2], cells[:, 2] // len(HEADINGS) == 0
     known = (house >= given + SAMPLE) & (house < len(geometries))
     if not known.all() or np.isinf(reals).any() or not _inside(house[given], place, geometries):
-        raise ValueError("a state of other houses: a next episode would begin outside these houses")
+        raise ValueError("the state belongs to other houses: a next episode would begin outside these houses")
     if not turned.all():
-        raise ValueError("a state of no house: a next episode would begin without a heading")
+        raise ValueError("the state is invalid: a next episode would begin without a heading")
 
 
 class KeepsState:

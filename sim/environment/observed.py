@@ -81,9 +81,9 @@ def require_observed(config: Config, backend: type) -> None:
     lacks = (*getattr(backend, "lacks", ()), *(() if config.drives else ("speed",)))
     if MEMORY in config.observe and not config.memory:
         raise ValueError(
-            "observe: the task's terms keep no memory: use terms with a memory, such as visit or battery"
+            "observe: the task's terms have no memory: use terms that have one, such as visit or battery"
         )
     for name in config.observe:
         if name in lacks:
             has = [each for each in (RAYS, *EXTRAS) if each not in lacks]
-            raise ValueError(f"observe: of backend {backend.__name__} {unknown('observation', name, has)}")
+            raise ValueError(f"observe: backend {backend.__name__}: {unknown('observation', name, has)}")

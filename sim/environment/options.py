@@ -48,7 +48,7 @@ def for_one(options: Any) -> dict[str, Any]:
         if value is not None:
             given = _array(option, value)
             if given.shape != SHAPES.get(option, given.shape):
-                raise ValueError(f"option {option}: shape {SHAPES[option]}, found {given.shape}")
+                raise ValueError(f"option {option}: give shape {SHAPES[option]}, not {given.shape}")
             batched[option] = given[None]
     return batched
 
@@ -77,16 +77,16 @@ def read_options(options: Mapping[str, Any], world: World, first: bool) -> Reset
     if options.get("reset_mask") is not None:
         mask = _array("reset_mask", options["reset_mask"])
         if mask.shape != (count,) or mask.dtype != bool:
-            raise ValueError(f"option reset_mask: {count} bools, found {mask.dtype} {mask.shape}")
+            raise ValueError(f"option reset_mask: give {count} bools, not {mask.dtype} {mask.shape}")
         if not mask.any():
-            raise ValueError("option reset_mask: it is False everywhere, so there is nothing to reset")
+            raise ValueError("option reset_mask: every value is False, so nothing would be reset")
         if first and not mask.all():
-            raise ResetNeeded("the first reset is everywhere's: leave out reset_mask")
+            raise ResetNeeded("the first reset must reset all environments: leave out reset_mask")
     if options.get("house") is not None:
         wholes[:, 0] = house_numbers(options["house"], world)
     if options.get("pose") is not None:
         if options.get("house") is None:
-            raise ValueError("option pose: say in which houses, by option house")
+            raise ValueError("option pose: name the houses of the poses by option house")
         poses = _floats("pose", options["pose"], (count, 3))
         reals[:, :2], cells = world.place(wholes[:, 0], poses)
         if world.config.drives:
@@ -113,7 +113,7 @@ def read_seeds(seed: Any, count: int) -> list[int | None]:
         return [(_seed(seed) + i) % 2**64 for i in range(count)]
     seeds = [None if one is None else _seed(one) for one in seed]
     if len(seeds) != count:
-        raise ValueError(f"{len(seeds)} seeds for {count} environments")
+        raise ValueError(f"{len(seeds)} seeds for {count} environments: give one each")
     return seeds
 
 
@@ -127,9 +127,9 @@ def house_numbers(value: Any, world: World) -> np.ndarray:
     """Return numbers (E,) int of houses in a world's bank. Raises ``ValueError`` for anything else."""
     given = _array("house", value)
     if given.shape != (world.num_envs,) or not np.issubdtype(given.dtype, np.integer):
-        raise ValueError(f"option house: {world.num_envs} integers, found {given.dtype} {given.shape}")
+        raise ValueError(f"option house: give {world.num_envs} integers, not {given.dtype} {given.shape}")
     if given.min() < 0 or given.max() >= len(world.houses):
-        raise ValueError(f"option house: the bank has houses 0 to {len(world.houses) - 1}")
+        raise ValueError(f"option house: there are houses 0 to {len(world.houses) - 1}")
     return given
 
 
@@ -153,7 +153,7 @@ def _array(name: str, value: Any) -> np.ndarray:
     try:
         return np.asarray(value)
     except ValueError:
-        raise ValueError(f"option {name}: its rows differ in length: {value!r}") from None
+        raise ValueError(f"option {name}: the rows differ in length: {value!r}") from None
 
 
 def _floats(name: str, value: Any, shape: tuple[int, ...]) -> np.ndarray:
@@ -162,9 +162,11 @@ def _floats(name: str, value: Any, shape: tuple[int, ...]) -> np.ndarray:
         if array.dtype.kind not in "iuf":
             raise TypeError("no real numbers")
     except (TypeError, ValueError):
-        raise ValueError(f"option {name}: finite numbers of shape {shape}, found {value!r}") from None
+        raise ValueError(f"option {name}: give finite numbers of shape {shape}, not {value!r}") from None
     array = array.astype(np.float64)
     if array.shape != shape or not (np.abs(array) < FARTHEST_M).all():
-        found = f"shape {array.shape}" if array.shape != shape else "some that are not finite, or too far off"
-        raise ValueError(f"option {name}: finite numbers of shape {shape}, found {found}")
+        found = (
+            f"shape {array.shape}" if array.shape != shape else ("values that are not finite or too far away")
+        )
+        raise ValueError(f"option {name}: give finite numbers of shape {shape}, not {found}")
     return array

@@ -137,7 +137,8 @@ class Passing(Standing):
         steps, *others = np.asarray(state["passed"]).tolist()
         if steps < 0 or others != self.state["passed"][1:].tolist():
             raise RequestError(
-                f"a state of another rotation ({others} houses and steps), or of less than none"
+                f"the state belongs to another rotation ({others} houses and steps), or has a negative "
+                "counter"
             )
         return self.go_to(steps)
 

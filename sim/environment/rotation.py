@@ -35,9 +35,9 @@ class HouseRotation:
         for name in ("size", "steps"):
             value = getattr(self, name)
             if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-                raise ValueError(f"rotation: {name} must be a whole number from 1, not {value!r}")
+                raise ValueError(f"rotation: {name} must be a whole number, 1 or more, not {value!r}")
         if not len(self.houses):
-            raise ValueError("no house to simulate: the rotation is of none")
+            raise ValueError("no house to simulate: the rotation is empty")
 
     def period(self, number: int) -> Iterator[House]:
         """Return the houses of a period, counted from 0."""
@@ -49,4 +49,4 @@ class HouseRotation:
 def require_next_step(houses: Any, mode: AutoresetMode) -> None:
     """Raise ``ValueError`` for houses in rotation unless the mode is ``NEXT_STEP``."""
     if isinstance(houses, HouseRotation) and mode is not AutoresetMode.NEXT_STEP:
-        raise ValueError("houses in rotation need autoreset_mode='NextStep'")
+        raise ValueError("rotating houses need autoreset_mode='NextStep'")

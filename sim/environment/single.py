@@ -46,12 +46,12 @@ class HouseEnv(KeepsSpec, gymnasium.Env):  # pyright: ignore[reportIncompatibleV
         """
         if render_mode == "human":
             raise ValueError(
-                "render_mode 'human' of one environment: gymnasium.make shows it in a window; made directly "
-                "it renders as 'rgb_array', and HouseVectorEnv(num_envs=1) shows itself"
+                "render_mode 'human': use gymnasium.make, which opens a window for it, or "
+                "HouseVectorEnv(num_envs=1); HouseEnv itself renders only 'rgb_array'"
             )
         asked = read_arguments(houses, backend, targets, preset, max_episode_steps, render_mode, device)
         if asked.rotation:
-            raise ValueError("houses in rotation are for HouseVectorEnv: of one environment give a list")
+            raise ValueError("rotating houses need HouseVectorEnv: give HouseEnv a list of houses")
         if seed is not None:
             read_seeds(seed, 1)
         self._arguments: dict[str, Any] = {
@@ -101,7 +101,7 @@ class HouseEnv(KeepsSpec, gymnasium.Env):  # pyright: ignore[reportIncompatibleV
         action = np.asarray(action)
         if action.shape != self.action_space.shape:
             words = orders(self.action_space, self.envs.config.drive).words
-            raise ValueError(f"an action is {words}, not an array of shape {action.shape}")
+            raise ValueError(f"an action must be {words}, not an array of shape {action.shape}")
         observation, reward, terminated, truncated, info = self.envs.step(action[None])
         self._over = bool(terminated[0] or truncated[0])
         return only(observation), float(reward[0]), bool(terminated[0]), bool(truncated[0]), _only(info)
@@ -120,7 +120,7 @@ class HouseEnv(KeepsSpec, gymnasium.Env):  # pyright: ignore[reportIncompatibleV
 
     def _require_open(self) -> None:
         if self._closed:
-            raise ClosedEnvironmentError("this environment was closed: make new ones")
+            raise ClosedEnvironmentError("this environment was closed: make a new one")
 
 
 def _only(info: dict[str, Any]) -> dict[str, Any]:

@@ -50,11 +50,11 @@ class Choices:
         """Raise ``ValueError`` unless there is a valid action for each of ``count`` environments."""
         if actions.shape != (count,):
             raise ValueError(
-                f"actions have shape {tuple(actions.shape)}: one for each of {count} environments"
+                f"actions have shape {tuple(actions.shape)}: give one for each of {count} environments"
             )
         least, greatest = _range(actions)
         if least < 0 or greatest > self.last:
-            raise ValueError(f"actions go from 0 to {self.last}, found {least} to {greatest}")
+            raise ValueError(f"actions must be 0 to {self.last}, not {least} to {greatest}")
 
     def given(self, actions: Any) -> Any:
         """Return actions (E,) for kernels."""
@@ -96,7 +96,7 @@ class Commands:
         """
         if actions.shape != (count, self.size):
             found, names = tuple(actions.shape), self.drive.names
-            raise ValueError(f"actions have shape {found}: {names} for each of {count} environments")
+            raise ValueError(f"actions have shape {found}: give {names} for each of {count} environments")
         if self._strange(actions).any():
             array = actions if isinstance(actions, np.ndarray) else actions.cpu().numpy()
             e = int(self._strange(array).any(axis=1).argmax())
@@ -105,7 +105,9 @@ class Commands:
             if self.size > 2:
                 aside = f", vy up to {self.high[1]:g} m/s"
             limits = f"{first} from {self.low[0]:g} to {self.high[0]:g} m/s{aside}"
-            raise ValueError(f"action {e} is ({given}): {limits}, w up to {self.high[-1]:g} rad/s either way")
+            raise ValueError(
+                f"action {e} is ({given}): {limits}, w up to {self.high[-1]:g} rad/s in either direction"
+            )
 
     def _strange(self, actions: Any) -> Any:
         """Return a mask (E, n) of the invalid numbers, on the device of the actions."""
@@ -147,8 +149,8 @@ def require_going_on(flags: np.ndarray) -> None:
     over = flags[TERMINATED] | flags[TRUNCATED]
     if over.any():
         raise ResetNeeded(
-            f"the episode of environment {int(over.argmax())} has ended: reset it by "
-            'reset(options={"reset_mask": ...})'
+            f'the episode of environment {int(over.argmax())} has ended: call reset(options={{"reset_mask": '
+            f"...}})"
         )
 
 

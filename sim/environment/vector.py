@@ -294,12 +294,10 @@ class HouseVectorEnv(KeepsState, KeepsSpec, VectorEnv):  # pyright: ignore[repor
         """
         self._require_open()
         if self.rotation or self.autoreset_mode is AutoresetMode.DISABLED:
-            raise ValueError(
-                "options for next episodes: the houses rotate, or the mode has no automatic resets"
-            )
+            raise ValueError("options for next episodes need automatic resets, and houses that do not rotate")
         given = require_mapping(options)
         if "reset_mask" in given:
-            raise ValueError("options for next episodes: reset_mask is an option of reset only")
+            raise ValueError("options for next episodes: only reset() takes reset_mask")
         asked = read_options(given, self.world, first=False)
         self.world.guide(asked.wholes, asked.reals)
 

@@ -66,7 +66,9 @@ class Oracle:
         if the task's terms read the distance to the target, which may end an episode.
         """
         if self.world.kernels.episodes.terms.sees_distance:
-            raise ValueError("the oracle plays no task whose terms see the distance: step it by act()")
+            raise ValueError(
+                "the oracle cannot run a task whose terms use the distance to the target: step it by act()"
+            )
         count = self.world.num_envs
         searches = _Searches(self.world, min(count, AT_ONCE))
         found = [searches.about(first).ask("play") for first in range(0, count, AT_ONCE)]
@@ -120,7 +122,10 @@ class _Searches:
         columns, rows = np.array([lattice.shape for lattice in world.lattices]).max(axis=0) + 3
         places = count * int(columns * rows)
         if 8 * places >= 1 << 31:
-            raise ValueError(f"{count} searches at once are too many in houses of {columns} x {rows} places")
+            raise ValueError(
+                f"{count} parallel searches need too much memory in houses of {columns} x "
+                f"{rows} positions: use fewer"
+            )
         closed = world.config.closed_doors > 0
         self.arrays = {
             "moves": Array(ti.u16, places),

@@ -82,7 +82,7 @@ class Array:
         """
         if self._view is None:
             if self.on_gpu:
-                raise RuntimeError("NumPy cannot look into a GPU's memory: take numpy(), a copy, or tensor()")
+                raise RuntimeError("NumPy cannot read GPU memory: use numpy(), a copy, or tensor()")
             interface = self._interface(self.shape, self.dtype)
             self._view = np.asarray(_Memory(self.ndarray, {"__array_interface__": interface}))
         return self._view

@@ -34,8 +34,8 @@ def constants(values: np.ndarray) -> Any:
 def _field(program: Any, kind: type[np.generic], shape: tuple[int, ...], content: bytes) -> Any:
     if _fields[program] == MOST_FIELDS:
         raise RuntimeError(
-            f"this process has made environments of so many kinds that {compiler.NAME} has no room for more "
-            f"({MOST_FIELDS} tables of rays and headings): make these in another process"
+            f"this process has created environments with so many sensors that {compiler.NAME} cannot "
+            f"allocate more ({MOST_FIELDS} tables of rays and headings): create these in another process"
         )
     _fields[program] += 1
 

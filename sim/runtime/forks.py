@@ -15,9 +15,9 @@ def require_threads() -> None:
     """Raise ``RuntimeError`` in a fork of a process in which Taichi ran."""
     if stranded.is_set():
         raise RuntimeError(
-            f"{compiler.NAME} ran before this process was forked, and cannot run in it: start processes "
-            "by 'spawn', as in "
-            'vector_kwargs={"context": "spawn"}; or make one HouseVectorEnv for all environments'
+            f"{compiler.NAME} ran before this process was forked and cannot run in a forked process: start "
+            f'processes by \'spawn\', as in vector_kwargs={{"context": "spawn"}}; or make one '
+            "HouseVectorEnv for all environments"
         )
 
 

@@ -39,8 +39,8 @@ class Owner:
             return self.pool.submit(make).result()
         if self.caller is not threading.current_thread():
             raise RuntimeError(
-                f"{compiler.NAME} was started on the GPU in the thread {self.caller.name}: make environments "
-                "there; they step in any thread"
+                f"{compiler.NAME} was started on the GPU in the thread {self.caller.name}: create "
+                "environments in that thread; any thread may step them"
             )
         return make()
 

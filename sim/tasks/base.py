@@ -17,7 +17,7 @@ MAX_AT_ONCE = 64
 def require_at_once(number: int) -> None:
     """Raise ``ValueError`` for an invalid number of targets at once."""
     if not 1 <= number <= MAX_AT_ONCE:
-        raise ValueError(f"at_once is {number!r}: from 1 to {MAX_AT_ONCE} targets")
+        raise ValueError(f"at_once is {number!r}: it must be 1 to {MAX_AT_ONCE} targets")
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class BaseTask:
         settle(self)
         if self.starts != "all":
             if isinstance(self.starts, str) or not all(isinstance(name, str) for name in self.starts):
-                raise TypeError(f"starts: a list of room types, or all, not {self.starts!r}")
+                raise TypeError(f"starts: give a list of room types, or all, not {self.starts!r}")
             object.__setattr__(self, "starts", tuple(self.starts))
         require_at_once(self.at_once)
 

@@ -63,7 +63,7 @@ class Object(BaseTask):
     def __post_init__(self) -> None:
         """Raise ``TypeError`` unless ``piece`` is a string."""
         if not isinstance(self.piece, str):
-            raise TypeError(f"piece: the kind of a piece, not {self.piece!r}")
+            raise TypeError(f"piece: give a furniture type, not {self.piece!r}")
         super().__post_init__()
 
     def suits(self, house: House) -> bool:
@@ -78,8 +78,8 @@ class Object(BaseTask):
             raise ValueError(f"targets: {unknown('piece', self.piece, known)}")
         if lacking:
             raise ValueError(
-                f"house {lacking[0]} of {len(houses)} has no {self.piece}: "
-                f"take the {len(houses) - len(lacking)} that have one"
+                f"house {lacking[0]} of {len(houses)} has no {self.piece}: use the "
+                f"{len(houses) - len(lacking)} houses that have one"
             )
 
     def spaces(self, house: House) -> list[Box]:
@@ -104,7 +104,7 @@ class Habit(BaseTask):
         """Raise ``ValueError`` for an invalid share."""
         super().__post_init__()
         if not 0 < self.share <= 1:
-            raise ValueError(f"share: above 0 and at most 1, not {self.share}")
+            raise ValueError(f"share must be above 0 and at most 1, not {self.share}")
 
     def order(self, house: House) -> list[tuple[str, str]]:
         """Return the regions, the favourite first: ("room", type) and ("piece", kind)."""

@@ -129,7 +129,7 @@ def _starts(
         starts = np.zeros_like(free)
         starts[i, j] = free[i, j]
         if not starts.any():
-            raise ValueError("the body cannot turn where the task starts")
+            raise ValueError("the robot cannot turn where the task starts")
         reached = survey.part == survey.part[i, j]
     else:
         body, usual = max(config.body) / 2, house.start.box
@@ -139,7 +139,7 @@ def _starts(
             starts |= free & _within(_row(space), body, lattice) & ~outside
         if not starts.any():
             names = ", ".join(_name(space, house) for space in spaces)
-            raise ValueError(f"the body has nowhere to stand in {names}")
+            raise ValueError(f"the robot finds no place to stand in {names}")
         # If the house has parts that no path joins, the body is in the part with most of the room.
         reached = survey.part == np.bincount(survey.part[starts]).argmax()
         starts &= reached
@@ -152,15 +152,16 @@ def _starts(
 def _given(
     house: House, lattice: Lattice, reached: np.ndarray, config: Config, task: FixedTask
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the places of the task's targets (m, 2) in steps, sorted from west to east, and the row of each
-    target in the task's order (m,).
+    """Return the places of the task's targets, and the row of each target in the task's order (m,).
+
+    The places (m, 2) are in steps, sorted from west to east.
     """
     points, half = np.array(task.positions(house), np.float64).reshape(-1, 2), config.target / 2
     if not len(points):
-        raise ValueError(f"{task} gives no place for a target")
+        raise ValueError(f"{task} names no place for a target")
     for x, y in points:
         if not (reached & _touched(np.array([[x, y, half, half]]), config.body[0] / 2, lattice)).any():
-            raise ValueError(f"the body cannot pick up a target at ({x:.3f}, {y:.3f}) m")
+            raise ValueError(f"the robot cannot pick up a target at ({x:.3f}, {y:.3f}) m")
     order = np.argsort(points[:, 0])
     return (points[order] - lattice.origin) / lattice.pitch, np.argsort(order)
 
@@ -197,15 +198,15 @@ def _free(room: _Room, spaces: list[Box], task: Task) -> np.ndarray:
     boxes = [each.box for each in house.rooms if each is not house.start]
     if not spaces:
         types = ", ".join(sorted({room.type for room in house.counted}))
-        raise ValueError(f"it has no room for the targets of {task}: there are {types}")
+        raise ValueError(f"it has no room that can hold the targets of {task}: its rooms are {types}")
     chosen = np.zeros_like(room.reached)
     for space in spaces:
         if space in boxes and not room.is_reached(space):
-            raise ValueError(f"the body cannot reach {_name(space, house)}")
+            raise ValueError(f"the robot cannot reach {_name(space, house)}")
         chosen |= room.fits(space)
     if not chosen.any():
         where = ", ".join(_name(space, house) for space in spaces)
-        raise ValueError(f"no target fits on free floor that the body can reach in {where}")
+        raise ValueError(f"no target fits on free floor that the robot can reach in {where}")
     return chosen
 
 
@@ -225,7 +226,7 @@ def _weighted(
     ]
     found = [(fits.ravel().nonzero()[0], weight) for fits, weight in found if weight > 0 and fits.any()]
     if not found:
-        raise ValueError(f"no target of {task} fits on free floor that the body can reach")
+        raise ValueError(f"no target of {task} fits on free floor that the robot can reach")
     whole, counts = sum(weight for _, weight in found), np.zeros(room.reached.size, int)
     entries: list[np.ndarray] = []
     for fits, weight in found:

@@ -55,7 +55,7 @@ class Visit(Terms):
         """Raise ``ValueError`` for values out of range."""
         object.__setattr__(self, "types", (self.types,) if isinstance(self.types, str) else (*self.types,))
         if not isinstance(self.most, int) or not 1 <= self.most <= MAX_ROOMS:
-            raise ValueError(f"terms: most is {self.most!r}: from 1 to {MAX_ROOMS:,} rooms")
+            raise ValueError(f"terms: most is {self.most!r}: it must be 1 to {MAX_ROOMS:,} rooms")
         super().__post_init__()
 
     @property
@@ -122,12 +122,14 @@ class Battery(Terms):
     def __post_init__(self) -> None:
         """Raise ``ValueError`` for values out of range."""
         if not isinstance(self.capacity, int) or not 0 < self.capacity < 1 << BITS:
-            raise ValueError(f"terms: capacity is {self.capacity!r}: from 1 to {(1 << BITS) - 1:,} steps")
+            raise ValueError(
+                f"terms: capacity is {self.capacity!r}: it must be 1 to {(1 << BITS) - 1:,} steps"
+            )
         if not isinstance(self.charger, str):
-            raise ValueError(f"terms: charger: a room type, not {self.charger!r}")
+            raise ValueError(f"terms: charger: give a room type, not {self.charger!r}")
         super().__post_init__()
         if self.charge < 0:
-            raise ValueError(f"terms: charge is {self.charge}: not negative")
+            raise ValueError(f"terms: charge is {self.charge}: it must not be negative")
 
     def marks(self, house: House) -> list[int]:
         """Return 1 for each room with a charger, else 0: see ``Terms``."""

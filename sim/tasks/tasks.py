@@ -108,9 +108,9 @@ class Points:
         """Raise ``ValueError`` for invalid points, an invalid pose or an unknown unit."""
         settle(self)
         if not np.iterable(self.points) or not all(_finite(point, 2) for point in [*self.points] or [None]):
-            raise ValueError(f"points: a list of [x, y], not {self.points!r}")
+            raise ValueError(f"points: give a list of [x, y], not {self.points!r}")
         if self.start is not None and not _finite(self.start, 3):
-            raise ValueError(f"start: [x, y, heading], not {self.start!r}")
+            raise ValueError(f"start: give [x, y, heading], not {self.start!r}")
         if self.unit not in UNITS:
             raise ValueError(unknown("unit", self.unit, UNITS))
         require_at_once(self.at_once)
@@ -148,7 +148,7 @@ class Collect(BaseTask):
         if self.main and not self.secondary and not house.hub:
             types = sorted({room.type for room in house.rooms})
             raise ValueError(
-                f'it names no hub, so it has no main room: ask for targets="all" or {{"rooms": {types}}}'
+                f'it names no hub, so it has no main room: use targets="all" or {{"rooms": {types}}}'
             )
         hub = [house.main.box] if self.main and house.hub else []
         return hub + [room.box for room in house.secondary] * self.secondary
@@ -164,7 +164,7 @@ class Rooms(BaseTask):
     def __post_init__(self) -> None:
         """Raise ``TypeError`` unless ``rooms`` is a list of names."""
         if isinstance(self.rooms, str) or not all(isinstance(name, str) for name in self.rooms):
-            raise TypeError(f"rooms: a list of room types, not {self.rooms!r}")
+            raise TypeError(f"rooms: give a list of room types, not {self.rooms!r}")
         super().__post_init__()
 
     def spaces(self, house: House) -> list[Box]:
@@ -184,7 +184,7 @@ class Order(Rooms):
         """Raise ``TypeError`` unless ``rooms`` is a list of names, with at least one."""
         super().__post_init__()
         if not [*self.rooms]:
-            raise TypeError(f"rooms: a list of room types, in their order, not {self.rooms!r}")
+            raise TypeError(f"rooms: give a list of room types, in order, not {self.rooms!r}")
 
     def stages(self, house: House) -> list[list[Box]]:
         """Return for each target of a round the rectangles in one of which the target lies completely."""
@@ -201,7 +201,7 @@ class Reach(BaseTask):
     def __post_init__(self) -> None:
         """Raise ``TypeError`` unless ``room`` is a string."""
         if not isinstance(self.room, str):
-            raise TypeError(f"room: a room type, not {self.room!r}")
+            raise TypeError(f"room: give a room type, not {self.room!r}")
         super().__post_init__()
 
     def spaces(self, house: House) -> list[Box]:
@@ -271,7 +271,9 @@ def task(targets: Targets) -> AnyTask:
     if not isinstance(given, dict):
         found = isinstance(given, FixedTask | WeightedTask) or callable(getattr(given, "spaces", None))
         if not (found and hasattr(given, "ends_on_pick_up")):
-            raise ValueError(f"targets: {given!r} is no task, which has spaces(house) and ends_on_pick_up")
+            raise ValueError(
+                f"targets: {given!r} is not a task: a task has spaces(house) and ends_on_pick_up"
+            )
         return given
     arguments = dict(given)
     name = arguments.pop("task", next((short for short in SHORT if short in arguments), None))
@@ -280,8 +282,8 @@ def task(targets: Targets) -> AnyTask:
     if name not in [*TASKS, *TARGETS] and not is_class_name(name):
         names = TASKS if given is targets else [*TARGETS, *PAPER_TASKS]
         raise ValueError(
-            f"targets: {unknown('task', name, names)}, module:Class, and"
-            f' {{"task": ...}} with {", ".join(TASKS)} or module:Class'
+            f'targets: {unknown("task", name, names)}, or give module:Class, or {{"task": ...}} with '
+            f"{', '.join(TASKS)} or module:Class"
         )
     try:
         if "terms" in arguments:
@@ -304,14 +306,14 @@ def read_terms(given: Any, usual: type[Terms] = Terms) -> Terms:
         return given
     given = {"class": given} if isinstance(given, str) else given
     if not isinstance(given, dict):
-        raise ValueError(f'terms: {{"step": -0.01}} or "module:Class", not {given!r}')
+        raise ValueError(f'terms: give {{"step": -0.01}} or "module:Class", not {given!r}')
     arguments: dict[str, Any] = {**given}
     name = arguments.pop("class", None)
     if not (name is None or name in list(TERMS) or is_class_name(name)):
-        raise ValueError(f"terms: {unknown('class', name, TERMS)}, and module:Class")
+        raise ValueError(f"terms: {unknown('class', name, TERMS)}, or give module:Class")
     make = usual if name is None else TERMS[name] if name in TERMS else imported(name)
     if not (isinstance(make, type) and issubclass(make, Terms)):
-        raise ValueError(f"terms: {name} is no class of vitruvius.sim.tasks.terms.Terms")
+        raise ValueError(f"terms: {name} is not a subclass of vitruvius.sim.tasks.terms.Terms")
     known = [each.name for each in fields(make)]
     if strange := next((key for key in arguments if key not in known), None):
         raise ValueError(f"terms: {unknown('term', strange, known)}")
@@ -375,7 +377,7 @@ def _object(text: str, name: str) -> dict[str, Any]:
     try:
         given = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise ValueError(f"targets: {name} is no JSON: {error}") from None
+        raise ValueError(f"targets: {name} is not JSON: {error}") from None
     if not isinstance(given, dict):
-        raise ValueError(f"targets: {name} holds no task, which is a JSON object")
+        raise ValueError(f"targets: {name} holds no task: a task is a JSON object")
     return given

@@ -144,12 +144,12 @@ class Terms:
             if not isfinite(value := getattr(self, name)):
                 raise ValueError(f"terms: {name} must be a finite number, not {value!r}")
         if not 0 <= self.discount <= 1:
-            raise ValueError(f"terms: discount is {self.discount}: from 0 to 1")
+            raise ValueError(f"terms: discount is {self.discount}: it must be 0 to 1")
         for name in ("targets", "steps"):
             if not 0 <= (value := getattr(self, name)) < 2**31:
-                raise ValueError(f"terms: {name} must be a whole number from 0, not {value!r}")
+                raise ValueError(f"terms: {name} must be a whole number, 0 or more, not {value!r}")
         if not isinstance(self.memory, int) or not 0 <= self.memory <= MAX_MEMORY:
-            raise ValueError(f"terms: memory is {self.memory!r}: from 0 to {MAX_MEMORY} numbers")
+            raise ValueError(f"terms: memory is {self.memory!r}: it must be 0 to {MAX_MEMORY} numbers")
 
     @property
     def asks_distance(self) -> bool:

@@ -66,14 +66,14 @@ def _shipped(asked: AnyTask, named: Callable[[str], str]) -> str:
         case Habit(share=share, seed=seed):
             usual = Habit()
             said = [f"share {share:g}"] * (share != usual.share) + [f"seed {seed}"] * (seed != usual.seed)
-            words = ", ".join(["targets in places of habit", *said])
+            words = ", ".join(["targets in habitual places", *said])
         case Roam(terms=Visit(types=types)):
             names = _listed([named(room) for room in types], "and")
             words = f"visit rooms of type {names}" if types else "visit all rooms"
         case Roam():
             words = "no targets"
         case Points(points=points):
-            order = ", in their order" if asked.in_order else ""
+            order = ", in order" if asked.in_order else ""
             words = f"targets at {numbered(len(points), 'given place')}{order}"
         case _:
             words = ""

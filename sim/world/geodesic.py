@@ -155,7 +155,8 @@ class Distances:
         least = arrays["least"].numpy().reshape(AT_ONCE, tiles)[:count]
         if (far := int(least.max())) > MOST_DISTANCE:
             raise ValueError(
-                f"a path of {far:,} actions: distances to targets are kept up to {MOST_DISTANCE:,}"
+                f"a path of {far:,} actions is too long: distances to targets are stored up to "
+                f"{MOST_DISTANCE:,}"
             )
         distinct, first, inverse = np.unique(hashes, return_index=True, return_inverse=True)
         fresh = [k for k, each in enumerate(distinct.tolist()) if each not in self._numbers]
@@ -201,7 +202,9 @@ class Distances:
         if len(which) == 0:
             return
         if start_ + len(which) > 1 << PROFILE_BITS:
-            raise ValueError(f"distances to targets have more than {1 << PROFILE_BITS:,} profiles")
+            raise ValueError(
+                f"distances to targets have more than {1 << PROFILE_BITS:,} profiles: use fewer houses"
+            )
         made = Array(ti.i16, len(which) * PROFILE)
         arrays = found | {"which": Array.of(which), "made": made}
         Launch(self.kernels["keep"], arrays)()

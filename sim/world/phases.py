@@ -40,8 +40,10 @@ class Phases:
 
     @ti.func
     def begin(self, world: ti.template(), e, state, whole, real):
-        """Return the state of an environment's next episode, with the options of a row of ``option_wholes``
-        and ``option_reals``. Also update the parts of the observation other than rays.
+        """Return the state of an environment's next episode.
+
+        A row of ``option_wholes`` and ``option_reals`` has the options. Also update the parts of the
+        observation other than rays.
         """
         state = self.episodes.begin(world, e, state, whole[0])
         if real[0] == real[0]:  # no NaN

@@ -112,11 +112,9 @@ class World:
         for overlay in self.kind.overlays:
             overlay.check(knows)
         if knows and config.varies("width"):
-            raise ValueError("the distance to the target needs a body whose width does not vary")
+            raise ValueError("the distance to the target needs a body of fixed width")
         if self.kind.at_once > 1 and (knows or config.latency):
-            raise ValueError(
-                "several targets at once: neither a distance to the target nor latency is possible"
-            )
+            raise ValueError("several targets at once support neither the distance to the target nor latency")
 
     def _made(self, row: ArrayRow) -> Array:
         """Return an array of the table, initially zero."""
@@ -138,13 +136,13 @@ class World:
         check_lengths(houses)
         wanted = self.task if targets is None else task(targets)
         if wanted.ends_on_pick_up != self.task.ends_on_pick_up:
-            raise ValueError("episodes of that task end otherwise: make a new environment for it")
+            raise ValueError("episodes of that task end differently: make a new environment for it")
         if at_once(wanted) != self.kind.at_once:
             raise ValueError("that task has another number of targets at once: make a new environment for it")
         if terms_of(wanted) != terms_of(self.task):
             raise ValueError("that task has other terms: make a new environment for it")
         if self.backend.fit(self.config, houses) != self.config:
-            raise ValueError("these houses need another body and step: make a new environment for them")
+            raise ValueError("these houses need another body size and step: make a new environment for them")
         check_kinds(houses, self.config.kinds)
         getattr(wanted, "check", lambda houses: None)(houses)
         bank = self.backend.pack(houses)
@@ -299,7 +297,7 @@ class World:
         if not free.all():
             e = int((~free).argmax())
             x, y = pose[e, :2]
-            raise ValueError(f"pose {e}: the body cannot be at ({x:.3f}, {y:.3f}) m in house {house[e]}")
+            raise ValueError(f"pose {e}: the robot cannot stand at ({x:.3f}, {y:.3f}) m in house {house[e]}")
         return origin, cell
 
     def describe(
@@ -377,6 +375,6 @@ def _require_countable(lattice: Lattice) -> None:
     columns, rows = lattice.shape
     if columns * rows > MOST_PLACES or max(columns, rows) > MOST_ALONG:
         raise ValueError(
-            f"it has {columns:,} by {rows:,} places, {lattice.pitch:.3g} m apart: {MOST_PLACES:,} at most, "
-            f"and {MOST_ALONG:,} along an axis"
+            f"it has {columns:,} by {rows:,} positions, {lattice.pitch:.3g} m apart: at most "
+            f"{MOST_PLACES:,}, and {MOST_ALONG:,} along an axis, are supported"
         )

@@ -12,57 +12,57 @@ from vitruvius.sim.config import DEFAULT, PRESETS, Config
 from vitruvius.sim.drive import COMMANDS, PARTS, Drive
 
 LENGTHS = "positive lengths in metres"
-PROBABILITIES = "not negative, and the last two at most 1"
+PROBABILITIES = "none may be negative; dropout and slip must be at most 1"
 
 LIMITS: dict[str, tuple[list[Any], dict[Any, str]]] = {
     "body": ([(0.1, 0.2)], {(0.1, 0.0): LENGTHS, (-0.1, 0.1): LENGTHS, (0.1, inf): LENGTHS}),
     "step": ([0.001], {0.0: LENGTHS, inf: LENGTHS, nan: LENGTHS}),
     "range": ([0.001], {0.0: LENGTHS, inf: LENGTHS}),
     "target": ([0.001], {0.0: LENGTHS, inf: LENGTHS}),
-    "rays": ([1, 1024], {0: "0 rays and 1500 steps: 1 to 1,024 rays", 1025: "1,024 rays"}),
-    "steps": ([1, 2**31 - 1], {0: "0 steps: 1 to", 2**31: "1 to 2,147,483,647 steps"}),
+    "rays": ([1, 1024], {0: "0 rays and 1500 steps: give 1 to 1,024 rays", 1025: "1,024 rays"}),
+    "steps": ([1, 2**31 - 1], {0: "0 steps: give 1 to", 2**31: "1 to 2,147,483,647 steps"}),
     "ray_spacing": ([0.01, 360], {0: "ray_spacing is 0 degrees", 360.01: "at most 360", nan: "is nan"}),
     "first_ray": ([-400.0], {inf: "first_ray inf: ", nan: "first_ray nan: "}),
-    "angle_noise": ([0, 45], {-0.1: "angle_noise is -0.1 degrees", 45.1: "degrees: from 0 to 45"}),
+    "angle_noise": ([0, 45], {-0.1: "angle_noise is -0.1 degrees", 45.1: "degrees: it must be 0 to 45"}),
     "noise": ([0, 99.0], {-0.1: "noise -0.1 m", inf: PROBABILITIES}),
     "dropout": ([0, 1], {-0.1: "dropout -0.1", 1.01: PROBABILITIES}),
     "slip": ([0, 1], {-0.1: "slip -0.1", 1.01: PROBABILITIES}),
-    "latency": ([0, 255], {-1: "latency is -1 steps", 256: "latency is 256 steps: from 0 to 255"}),
-    "drift": ([0, 9.0], {-1.0: "drift is -1.0: not negative", inf: "drift is inf"}),
-    "closed_doors": ([0, 255], {-1: "closed_doors is -1 steps", 256: "steps: from 0 to 255"}),
-    "collision": (["swept", "original"], {"none": "unknown collision 'none': there are swept, original"}),
+    "latency": ([0, 255], {-1: "latency is -1 steps", 256: "latency is 256 steps: it must be 0 to 255"}),
+    "drift": ([0, 9.0], {-1.0: "drift is -1.0: it must not be negative", inf: "drift is inf"}),
+    "closed_doors": ([0, 255], {-1: "closed_doors is -1 steps", 256: "must be 0 to 255"}),
+    "collision": (["swept", "original"], {"none": "unknown collision 'none': choose swept or original"}),
     "kinds": (
         [(), tuple(map(str, range(64)))],
-        {("bed", "bed"): "kinds are bed, bed: each once, 64", tuple(map(str, range(65))): "64 at most"},
+        {("bed", "bed"): "kinds are bed, bed: name each once", tuple(map(str, range(65))): "at most 64"},
     ),
     "observe": (
         [("goal",), ("rays", "speed")],
         {
             ("goall",): "observe: there is no observation goall: did you mean goal?",
-            (): "observe is nothing: one at least, each once",
-            ("goal", "goal"): "observe is goal, goal: one at least, each once",
+            (): "observe is nothing: name at least one part, and each part once",
+            ("goal", "goal"): "observe is goal, goal: name at least one part, and each part once",
         },
     ),
 }
 """For each field the values at its limits, and those beyond, with words of the error."""
 
 DRIVES: dict[str, tuple[list[Any], dict[Any, str]]] = {
-    "time_step": ([0.001, 1.0], {0: "time_step 0 s, speed 0.7 m/s: both above 0", inf: "both above 0"}),
-    "speed": ([0.001], {0: "speed 0 m/s: both above 0", inf: "speed inf m/s"}),
+    "time_step": ([0.001, 1.0], {0: "time_step 0 s, speed 0.7 m/s: both must be above 0", inf: "above 0"}),
+    "speed": ([0.001], {0: "speed 0 m/s: both must be above 0", inf: "speed inf m/s"}),
     "reverse": ([0, 9.0], {-1: "drive: reverse -1 m/s, sideways 0.0 m/s", inf: "reverse inf"}),
-    "sideways": ([0, 9.0], {-1: "sideways -1 m/s", inf: "not negative"}),
-    "turn_speed": ([0, 10 * pi], {-1: "turn_speed -1 rad/s: not negative", 31.5: "more than half a turn"}),
-    "acceleration": ([0.01, inf], {0: "drive: acceleration 0, turn_acceleration 12.0: both above 0"}),
-    "turn_acceleration": ([0.01, inf], {0: "turn_acceleration 0: both above 0"}),
-    "at_contact": (["slide", "stop"], {"bounce": "drive: at_contact is 'bounce': there are slide, stop"}),
+    "sideways": ([0, 9.0], {-1: "sideways -1 m/s", inf: "none may be negative"}),
+    "turn_speed": ([0, 10 * pi], {-1: "turn_speed -1 rad/s", 31.5: "more than half a turn"}),
+    "acceleration": ([0.01, inf], {0: "drive: acceleration 0, turn_acceleration 12.0: both must be above 0"}),
+    "turn_acceleration": ([0.01, inf], {0: "turn_acceleration 0: both must be above 0"}),
+    "at_contact": (["slide", "stop"], {"bounce": "drive: at_contact is 'bounce': choose slide or stop"}),
     "commands": (
         [((0.7, 3.0), (0.0, -3.0)), ((0.0, 0.0),) * 1024],
         {
-            ((0.8, 0.0),): "drive: command (0.8, 0.0): (v, w) within the greatest speeds",
+            ((0.8, 0.0),): "drive: command (0.8, 0.0): (v, w) must not exceed the maximum speeds",
             ((-0.1, 0.0),): "command (-0.1, 0.0)",
             ((nan, 0.0),): "command (nan, 0.0)",
             ((0.0, 0.0, 0.0),): "command (0.0, 0.0, 0.0)",
-            ((0.0, 0.0),) * 1025: "drive: 1025 commands: 1,024 at most",
+            ((0.0, 0.0),) * 1025: "drive: 1025 commands: at most 1,024",
         },
     ),
 }  # fmt: skip
@@ -87,7 +87,9 @@ def test_a_value_at_its_limit_is_taken_and_one_beyond_is_refused_in_words(defaul
 )
 def test_closed_doors_need_a_body_that_can_push_them(other):
     replace(DEFAULT, **other)
-    with pytest.raises(ValueError, match="closed_doors needs collision 'swept', a body as wide"):
+    with pytest.raises(
+        ValueError, match="closed_doors needs collision 'swept', a square body, and ends_on_collision=False"
+    ):
         replace(DEFAULT, closed_doors=1, **other)
 
 
@@ -167,10 +169,10 @@ def test_lattices_take_rays_that_divide_45_degrees_and_no_errors_of_direction():
     for spacing in (0.09, 2, 22, 46, 90):
         with pytest.raises(ValueError, match=f"ray_spacing is {spacing} degrees: it must divide 45 and"):
             replace(DEFAULT, ray_spacing=spacing).require_few_directions()
-    with pytest.raises(ValueError, match="angle_noise is 1 degrees: the backend free alone has it"):
+    with pytest.raises(ValueError, match="angle_noise is 1 degrees: only the backend free supports it"):
         replace(DEFAULT, angle_noise=1).require_few_directions()
     DEFAULT.require_lattice("the oracle")
-    with pytest.raises(ValueError, match="the oracle counts steps on a lattice"):
+    with pytest.raises(ValueError, match="the oracle counts grid steps: use the"):
         replace(DEFAULT, drives=True).require_lattice("the oracle")
 
 
@@ -184,7 +186,7 @@ def test_a_command_has_a_number_for_each_speed_within_its_limits():
     assert two.allows((-0.2, 3.0))
     assert not any(map(two.allows, [(-0.21, 0.0), (0.0, 3.1), (0.0, inf), (0.0,)]))
     two.require_heading("the planner")
-    with pytest.raises(ValueError, match="the planner drives where its body heads"):
+    with pytest.raises(ValueError, match="the planner drives only along its heading"):
         three.require_heading("the planner")
 
 

@@ -194,9 +194,9 @@ def test_walls_at_an_angle_do_not_leak_far_from_the_origin() -> None:
 
 
 def test_houses_beyond_the_limit_and_lattices_of_too_many_places_are_refused() -> None:
-    with pytest.raises(ValueError, match="R0 reaches further than 512 m from the origin"):
+    with pytest.raises(ValueError, match="R0 extends more than 512 m from the origin"):
         HouseVectorEnv([moved(PLANS["flat"], 512.0, 0.0)], 1)
     with pytest.raises(
-        ValueError, match=r"places, 0.0001 m apart: 67,108,864 at most, and 65,536 along an axis"
+        ValueError, match=r"positions, 0.0001 m apart: at most 67,108,864, and 65,536 along an axis"
     ):
         HouseVectorEnv([PLANS["flat"]], 1, preset={"step": 1e-4})

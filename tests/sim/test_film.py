@@ -87,7 +87,7 @@ def test_a_film_has_all_frames_in_order(envs, tmp_path):
         gif.seek(3)
         last = np.asarray(gif.convert("RGB"), int)
     assert np.abs(last - np.asarray(frames[3], int)).mean() < 3
-    with pytest.raises(ValueError, match=r"film.avi: films are written as .gif or .mp4: use .*film.gif"):
+    with pytest.raises(ValueError, match=r"film.avi: a film must be .gif or .mp4: use .*film.gif"):
         film(frames, tmp_path / "films" / "film.avi")
     with pytest.raises(ValueError, match="no frame"):
         film([], tmp_path / "none.gif")
@@ -111,7 +111,7 @@ def test_an_mp4_has_all_frames_in_order_and_the_last_for_a_second(tmp_path):
 
 
 def test_all_of_the_outer_walls_is_in_the_picture() -> None:
-    """This holds for outer walls of half a metre and for thin ones."""
+    """The claim holds for outer walls of half a metre and for thin ones."""
     thick = structs.replace(HOUSE, wall_thickness=Thickness(0.1, 0.5))
     for house in (HOUSE, thick):
         west, north, east, south = drawn_extent(house)

@@ -60,5 +60,5 @@ def test_a_wall_without_a_thickness_cannot_be_crossed(backend: str) -> None:
 
 def test_a_wall_that_is_too_far_off_is_refused() -> None:
     far = structs.replace(THIN, free_walls=(FreeWall(0.0, 0.0, 0.0, 600.0, 0.1),))
-    with pytest.raises(ValueError, match="house 0 of 1: wall 0 reaches further than 512 m"):
+    with pytest.raises(ValueError, match="house 0 of 1: wall 0 extends more than 512"):
         HouseVectorEnv([far])

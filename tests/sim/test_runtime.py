@@ -112,4 +112,4 @@ except RuntimeError as error:
 
 def test_more_kinds_of_environments_than_taichi_has_room_for_are_an_error_and_no_crash():
     done = finished([sys.executable, "-c", MANY_TABLES])
-    assert done.stdout.startswith("499 this process has made environments of so many kinds")
+    assert done.stdout.startswith("499 this process has created environments with so many sensors that")

@@ -50,7 +50,9 @@ def listed_arrays(
     most = np.maximum(header[:, BOXES], lines[:, 0])
     if max(total.max(), most.max()) > LONGEST:
         house = most.argmax() if most.max() > LONGEST else owner[total.argmax()]
-        raise ValueError(f"house {house} of {len(header)} has more walls and furniture than lists can hold")
+        raise ValueError(
+            f"house {house} of {len(header)} has more walls and furniture than this backend can store"
+        )
     ends = np.zeros((len(owner), 2 * ENDS), np.uint16)
     ends[:, 1 : LISTS + 1] = counts
     words = np.where(total > 0, ENDS + (total + 1) // 2, 0)

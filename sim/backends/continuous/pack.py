@@ -27,8 +27,8 @@ def pack(houses: Sequence[House], config: Config) -> Bank:
     for index, house in enumerate(houses):
         if config.collision == "original" and house.main_room is None:
             raise ValueError(
-                f"house {index} of {len(houses)}: the original's collision rule is for rooms with one door, "
-                f"to a main room, not for the topology {house.topology!r}: use the preset 'default'"
+                f"house {index} of {len(houses)}: collision 'original' needs rooms with one door, to a main "
+                f"room, and does not support the topology {house.topology!r}: use the preset 'default'"
             )
     parts = [
         _Part.of(shape, house.main_room is not None, codes(house, shape, config.kinds))

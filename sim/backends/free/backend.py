@@ -26,16 +26,18 @@ class FreeMotion(Motion, Sight):
         """
         if config.body[0] != config.body[1]:
             found = f"{config.body[0]:.3f} and {config.body[1]:.3f} m"
-            raise ValueError(f"body is {found}: in the backend free a disc is as wide at all headings")
+            raise ValueError(
+                f"body is {found}: in the backend free the robot is a disc, so both sides must be equal"
+            )
         for wrong, words in (
             (config.collision != "swept", "collision 'original'"),
             (not config.random_start, "random_start=False, but a task with a start"),
             (config.eye != (config.body[0] / 2,) * 2, "eye outside the middle of the body"),
             (config.closed_doors, "closed_doors"),
-            (config.geodesic, "distance to the target (geodesic), which is in steps of a lattice"),
+            (config.geodesic, "distance to the target (geodesic), which counts grid steps"),
         ):
             if wrong:
-                raise ValueError(f"the backend free has no {words}")
+                raise ValueError(f"the backend free does not support {words}")
         return replace(config, drives=True)
 
     def pack(self, houses: Sequence[House]) -> Bank:

@@ -55,7 +55,9 @@ def listed_arrays(
     most = int(np.maximum(header[:, SOLIDS], header[:, LINES]).max())
     if max(int(total.max(initial=0)), most) > LONGEST:
         k = int(house[total.argmax()]) if most <= LONGEST else int(header[:, LINES].argmax())
-        raise ValueError(f"house {k} of {len(header)} has more walls and furniture than lists can hold")
+        raise ValueError(
+            f"house {k} of {len(header)} has more walls and furniture than this backend can store"
+        )
     ends = np.zeros((len(cells), 2 * ENDS), np.uint16)
     ends[:, 1 : LISTS + 1] = counts
     words = ENDS + (total + 1) // 2

@@ -44,7 +44,7 @@ class Motion:
     def place(self, bank: Bank, house: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return origins (E, 2) and headings (E,) float32 of bodies at the given poses."""
         if not np.isfinite(pose).all():
-            raise ValueError("a pose is (x, y, heading), finite")
+            raise ValueError("a pose is (x, y, heading), three finite numbers")
         heading = np.mod(pose[:, 2], 2 * np.pi).astype(np.float32)
         heading[heading >= np.float32(2 * np.pi)] = 0
         return np.ascontiguousarray(pose[:, :2], np.float32), heading

@@ -31,20 +31,20 @@ class Grid(Motion, Sight):
         if cell < DEFAULT.body[0] and any(house.occupancy for house in houses):
             times = ceil(DEFAULT.body[0] / cell)
             raise ValueError(
-                f"the map's cells of {cell:g} m are narrower than the body, {DEFAULT.body[0]:.3f} m: the "
-                f"grid backend takes House.of_map(house.occupancy.coarser({times}))"
+                f"the map's cells of {cell:g} m are narrower than the robot, {DEFAULT.body[0]:.3f} m: give "
+                f"the grid backend House.of_map(house.occupancy.coarser({times}))"
             )
         if cell < DEFAULT.body[0]:
             raise ValueError(
-                f"no grid of cells as wide as the body, {DEFAULT.body[0]:.3f} m, fits these houses; "
-                "the grid backend takes houses that were generated with one --cell"
+                f"no grid with cells as wide as the robot, {DEFAULT.body[0]:.3f} m, fits these houses: "
+                "generate all houses for the grid backend with the same --cell"
             )
         for index, house in enumerate(houses):
             stray = off_grid(geometry(house), cell)
             if stray is not None:
                 raise ValueError(
-                    f"house {index} of {len(houses)}: the edge at {stray:.3f} m is off the grid of "
-                    f"{cell:g} m; the grid backend takes houses that were generated with one --cell"
+                    f"house {index} of {len(houses)}: the edge at {stray:.3f} m does not lie on the grid of "
+                    f"{cell:g} m: generate all houses for the grid backend with the same --cell"
                 )
         body = {"body": (cell, cell), "eye": None, "step": cell, "in_cells": True}
         return replace(config, collision="swept", **body)

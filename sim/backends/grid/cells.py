@@ -22,7 +22,9 @@ def cell_side(houses: Sequence[House]) -> float:
     """
     cells = {_cell(house) for house in houses}
     if len(cells) > 1:
-        raise ValueError(f"houses on grids of different cells, {sorted(cells)} m: one bank has one")
+        raise ValueError(
+            f"the houses lie on grids with different cells, {sorted(cells)} m: give houses with one cell size"
+        )
     cell = cells.pop()
     if cell:
         return cell

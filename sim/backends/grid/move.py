@@ -52,7 +52,7 @@ class Motion:
             e = int(off.argmax())
             x, y = (origin[e] + np.round(steps[e]) * self.config.step).tolist()
             raise ValueError(
-                f"pose {e} is not in the middle of a cell: the nearest one's is ({x:.3f}, {y:.3f}) m"
+                f"pose {e} is not at the centre of a cell: the nearest centre is ({x:.3f}, {y:.3f}) m"
             )
         return origin, np.column_stack([np.round(steps), heading % 8]).astype(np.int32)
 

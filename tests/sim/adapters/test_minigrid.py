@@ -217,7 +217,7 @@ def test_gymnasiums_checker_and_minigrids_wrappers_take_it(monkeypatch: pytest.M
 
 
 def test_houses_off_the_grid_and_targets_in_no_cell_are_refused() -> None:
-    with pytest.raises(ValueError, match="no grid of cells as wide as the body"):
+    with pytest.raises(ValueError, match="no grid with cells as wide as the robot,"):
         gymnasium.make("Vitruvius/MiniGrid-v0", houses="paper-house")
-    with pytest.raises(ValueError, match=r"house 2: the target at \(0.225, 3.825\) m is in no free cell"):
+    with pytest.raises(ValueError, match=r"house 2: the target at \(0.225, 3.825\) m is not in a free cell"):
         made().reset(seed=0, options={"house": 2, "target": cells(0.5, 8.5, 0, 0)[:2]})

@@ -18,7 +18,7 @@ def test_options_may_be_one_for_each():
     theirs.set_options([{"house": 1}, {"house": 0}])
     theirs.reset()
     assert [info["house"] for info in theirs.reset_infos] == [1, 0]
-    with pytest.raises(ValueError, match="a dictionary with the same keys for each of 2"):
+    with pytest.raises(ValueError, match="the 2 environments a dictionary, all with the same keys"):
         theirs.set_options([{"house": 1}, {}])
 
 

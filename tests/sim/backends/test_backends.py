@@ -88,13 +88,16 @@ def test_an_environment_with_it_swaps_banks_restores_states_renders_and_has_an_o
     once = [envs.step(actions)[0] for actions in plan]
     unwrapped.state = state
     np.testing.assert_array_equal(once, [envs.step(actions)[0] for actions in plan])
-    for pose, message in (((0.0, 0.0, 0.1), "multiple of pi/4"), ((-9.0, 0.0, 0.0), "the body cannot be at")):
+    for pose, message in (
+        ((0.0, 0.0, 0.1), "multiple of pi/4"),
+        ((-9.0, 0.0, 0.0), "the robot cannot stand at"),
+    ):
         with pytest.raises(ValueError, match=message):
             envs.reset(options={"house": info["house"], "pose": [pose] * 4})
 
 
 def test_targets_in_rooms_that_it_cannot_reach_are_refused_with_the_room():
-    with pytest.raises(ValueError, match=re.escape("house 0 of 2: the body cannot reach room R0 (hall)")):
+    with pytest.raises(ValueError, match=re.escape("house 0 of 2: the robot cannot reach room R0 (hall)")):
         make(houses=HOUSES[1:], targets="secondary")
 
 
@@ -107,7 +110,7 @@ def test_targets_in_rooms_that_it_cannot_reach_are_refused_with_the_room():
         (".main_room:MainRoom", "backend '.main_room:MainRoom' cannot be used"),
         ("main_room:", "backend 'main_room:' cannot be used"),
         ("main_room:Mainroom", "cannot be used: module 'main_room' has no attribute 'Mainroom'"),
-        ("main_room:WALL", "backend 'main_room:WALL' cannot be used: it is no class"),
+        ("main_room:WALL", "backend 'main_room:WALL' cannot be used: it is not a class"),
     ],
 )
 def test_a_name_that_names_no_backend_is_refused(name, message):

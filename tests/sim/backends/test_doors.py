@@ -207,9 +207,11 @@ def test_a_bank_may_have_more_doors_than_the_one_before_it():
     [(PAPER, {}), (DEFAULT, {"ends_on_collision": True}), (DEFAULT, {"body": (0.2, 0.3)})],
 )
 def test_a_world_where_doors_cannot_be_walked_at_is_refused(config, changes):
-    with pytest.raises(ValueError, match="closed_doors needs collision 'swept', a body as wide"):
+    with pytest.raises(
+        ValueError, match="closed_doors needs collision 'swept', a square body, and ends_on_collision=False"
+    ):
         replace(config, closed_doors=4, **changes)
-    with pytest.raises(ValueError, match="closed_doors is 256 steps: from 0 to 255"):
+    with pytest.raises(ValueError, match="closed_doors is 256 steps: it must be 0 to 255"):
         replace(DEFAULT, closed_doors=256)
 
 

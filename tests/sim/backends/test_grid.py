@@ -124,7 +124,9 @@ def test_kinds_of_hits_on_the_grid_equal_those_of_the_continuous_backend():
 
 def test_a_pose_between_cells_is_refused():
     envs = HouseVectorEnv(HOUSES, backend="grid")
-    with pytest.raises(ValueError, match=re.escape("not in the middle of a cell: the nearest one's is")):
+    with pytest.raises(
+        ValueError, match=re.escape("is not at the centre of a cell: the nearest centre is (")
+    ):
         envs.reset(seed=0, options={"house": [0], "pose": [[1.0, 1.6, 0.0]]})
 
 

@@ -106,12 +106,12 @@ def test_starts_and_targets_on_a_grid_are_all_of_the_largest_floor_and_nothing_e
 WRONG: dict[str, tuple[list[House], dict[str, Any], str]] = {
     "narrow cells": ([random_map(0, 0.1)], {"backend": "grid"}, r"0.1 m are narrower .*coarser\(3\)"),
     "other cells": ([HOUSES[0], random_map(0, 0.6)], {"backend": "grid"}, "different cells"),
-    "too far": ([House.from_grid([[0] * 9] * 9, 120.0)], {}, "further than 512 m .*: House.from_grid"),
-    "not in the middle": ([House.from_grid([[0] * 9] * 9, 10.0, (450.0, 0.0))], {}, "further than 512 m"),
-    "no room for a body": ([House.from_grid([[0]], 0.2)], {}, "nowhere to stand"),
+    "too far": ([House.from_grid([[0] * 9] * 9, 120.0)], {}, "more than 512 m .*: House.from_grid"),
+    "not in the middle": ([House.from_grid([[0] * 9] * 9, 10.0, (450.0, 0.0))], {}, "more than 512 m"),
+    "no room for a body": ([House.from_grid([[0]], 0.2)], {}, "finds no place to stand"),
     "no room for a target": ([House.from_grid([[0]], 0.4)], {}, "no target fits"),
-    "secondary": (HOUSES, {"targets": "secondary"}, "no room for the targets"),
-    "the original's rule": (HOUSES, {"preset": "paper"}, "not for the topology 'map'"),
+    "secondary": (HOUSES, {"targets": "secondary"}, "it has no room that can hold"),
+    "the original's rule": (HOUSES, {"preset": "paper"}, "not support the topology 'map'"),
 }  # fmt: skip
 
 

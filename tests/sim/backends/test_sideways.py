@@ -132,7 +132,9 @@ def test_a_saved_state_goes_on_bit_for_bit_also_in_another_environment():
     for name in ("speeds", "reals"):
         wrong = state | {name: state[name].copy()}
         wrong[name][:, -1] = np.nan
-        with pytest.raises(ValueError, match="a state of no house: a speed or a heading is no finite number"):
+        with pytest.raises(
+            ValueError, match="the state is invalid: a speed or a heading is not a finite number"
+        ):
             envs.state = wrong
 
 
@@ -177,17 +179,17 @@ def test_actions_beyond_the_box_are_refused_or_clipped():
 
 @pytest.mark.parametrize("who", [TruePath, lambda envs: DrivingExplorer(envs.config, lambda: np.zeros(0))])
 def test_who_drives_as_the_body_heads_is_refused_in_a_line(who):
-    with pytest.raises(ValueError, match="drives where its body heads: take a drive without sideways"):
+    with pytest.raises(ValueError, match="drives only along its heading: use a drive with sideways=0"):
         who(make(houses=[EMPTY]))
 
 
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"sideways": -1.0}, "sideways -1.0 m/s, turn_speed 3.0 rad/s: not negative"),
-        ({"sideways": 0.5, "commands": ((0.7, 0.0),)}, "command (0.7, 0.0): (vx, vy, w) within the greatest"),
-        ({"sideways": 0.5, "commands": ((0.7, 0.6, 0.0),)}, "command (0.7, 0.6, 0.0): (vx, vy, w) within"),
-        ({"commands": ((0.7, 0.0, 0.0),)}, "command (0.7, 0.0, 0.0): (v, w) within the greatest speeds"),
+        ({"sideways": -1.0}, "sideways -1.0 m/s, turn_speed 3.0 rad/s: none may be negative"),
+        ({"sideways": 0.5, "commands": ((0.7, 0.0),)}, "command (0.7, 0.0): (vx, vy, w) must not"),
+        ({"sideways": 0.5, "commands": ((0.7, 0.6, 0.0),)}, "command (0.7, 0.6, 0.0): (vx, vy, w) must"),
+        ({"commands": ((0.7, 0.0, 0.0),)}, "must not exceed the maximum speeds"),
     ],
 )
 def test_impossible_motions_are_refused(values, message):

@@ -199,7 +199,7 @@ def test_torchrl_has_both(config):
 
 def test_what_a_backend_lacks_is_said_before_anything_starts():
     name = "tests.sim.environment.test_observe:Blind"
-    with pytest.raises(ValueError, match="of backend Blind there is no observation geodesic: there are"):
+    with pytest.raises(ValueError, match="backend Blind: there is no observation geodesic: there are"):
         HouseEnv(HOUSES, preset=ALL, backend=name)
     HouseEnv(HOUSES, preset=replace(DEFAULT, observe=("rays", "goal")), backend=name)
 

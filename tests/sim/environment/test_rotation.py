@@ -120,9 +120,9 @@ def test_other_houses_and_another_rotation_can_be_set() -> None:
 
 def test_what_cannot_be_had_is_said() -> None:
     wrongs: list[tuple[tuple[Any, ...], str]] = [
-        ((HOUSES, 0), "rotation: size must be a whole number from 1, not 0"),
-        ((HOUSES, 2, True), "rotation: steps must be a whole number from 1, not True"),
-        (([],), "no house to simulate: the rotation is of none"),
+        ((HOUSES, 0), "rotation: size must be a whole number, 1 or more, not 0"),
+        ((HOUSES, 2, True), "rotation: steps must be a whole number, 1 or more, not True"),
+        (([],), "no house to simulate: the rotation is empty"),
     ]
     for wrong, said in wrongs:
         with pytest.raises(ValueError, match=said):
@@ -137,9 +137,9 @@ def test_what_cannot_be_had_is_said() -> None:
     state = make()
     state.reset(seed=0)
     for other in ([-1, 2, T], [0, 3, T], [0, 2, T + 1]):
-        with pytest.raises(ValueError, match="a state of another rotation"):
+        with pytest.raises(ValueError, match="the state belongs to another rotation"):
             state.state = state.state | {"passed": np.array(other)}
-    with pytest.raises(ValueError, match="houses in rotation are for HouseVectorEnv"):
+    with pytest.raises(ValueError, match="rotating houses need HouseVectorEnv: give HouseEnv a"):
         HouseEnv(HouseRotation(HOUSES, 2, T))
     same = HouseVectorEnv(HOUSES[:1], autoreset_mode="SameStep")
     with pytest.raises(ValueError, match="need autoreset_mode='NextStep'"):
@@ -149,7 +149,7 @@ def test_what_cannot_be_had_is_said() -> None:
     later = state.state
     with pytest.raises(ValueError, match="pose"):  # of the first period's houses, to which a seed returns
         state.reset(seed=0, options={"house": np.full(E, 0), "pose": np.full((E, 3), 50.0)})
-    with pytest.raises(ValueError, match="a state of other kinds"):
+    with pytest.raises(ValueError, match="the state has other dtypes or"):
         state.state = {"passed": np.array([0, 2, T])}
     assert state.houses == HOUSES[2:4]
     assert all(np.array_equal(state.state[name], later[name]) for name in later)

@@ -162,8 +162,8 @@ def unharmed(envs, usual, error, message):
 WRONG_ACTIONS = {
     "one for each of 5": np.zeros(4, int),
     "actions have shape (5, 1)": np.zeros((5, 1), int),
-    "go from 0 to 2, found 0 to 3": np.array([0, 1, 2, 3, 0]),
-    "found -1": np.array([0, -1, 2, 1, 0]),
+    "0 to 2, not 0 to 3": np.array([0, 1, 2, 3, 0]),
+    "not -1": np.array([0, -1, 2, 1, 0]),
     "must be integers": np.zeros(5),
     "must be integers 0, 1 or 2, not bool": np.zeros(5, bool),
     "must be integers 0, 1 or 2, not object": [None] * 5,
@@ -180,7 +180,7 @@ WRONG_TENSORS = {
     "floats": (torch.zeros(5), "an int64 tensor on the device 'cpu'"),
     "short integers": (torch.zeros(5, dtype=torch.int32), "an int64 tensor on the device 'cpu'"),
     "too many": (torch.zeros(6).long(), "one for each of 5"),
-    "no actions": (torch.full((5,), 3), "go from 0 to 2, found 3 to 3"),
+    "no actions": (torch.full((5,), 3), "0 to 2, not 3 to 3"),
 }
 
 
@@ -193,21 +193,21 @@ def test_wrong_tensors_are_refused_and_change_nothing(envs, usual, name):
 
 WRONG_OPTIONS = {
     "there is no reset option houses: did you mean house": {"houses": [0] * 5},
-    "option house: 5 integers": {"house": [0, 1]},
-    "option house: 5 integers, found float64 (5,)": {"house": [0.0] * 5},
-    "the bank has houses 0 to 2": {"house": [0, 1, 2, 3, 0]},
-    "say in which houses": {"pose": np.zeros((5, 3))},
-    "option pose: finite numbers": {"house": [0] * 5, "pose": np.full((5, 3), np.nan)},
+    "option house: give 5 integers": {"house": [0, 1]},
+    "option house: give 5 integers, not float64 (5,)": {"house": [0.0] * 5},
+    "option house: there are houses 0 to 2": {"house": [0, 1, 2, 3, 0]},
+    "option pose: name the houses of": {"pose": np.zeros((5, 3))},
+    "option pose: give finite numbers": {"house": [0] * 5, "pose": np.full((5, 3), np.nan)},
     "a multiple of pi/4": {"house": [0] * 5, "pose": np.full((5, 3), 0.1)},
-    "pose 0: the body cannot be at (0.000, 0.000)": {"house": [0] * 5, "pose": np.zeros((5, 3))},
+    "pose 0: the robot cannot stand at (0.000, 0.000)": {"house": [0] * 5, "pose": np.zeros((5, 3))},
     "option target": {"target": np.zeros(2)},
-    "option target: finite numbers of shape (5, 2), found some that are not finite": {
+    "option target: give finite numbers of shape (5, 2), not values that are not finite": {
         "target": np.full((5, 2), np.inf)
     },
-    "option reset_mask: 5 bools, found bool (4,)": {"reset_mask": np.ones(4, bool)},
-    "option reset_mask: 5 bools, found bool (5, 1)": {"reset_mask": np.ones((5, 1), bool)},
-    "option reset_mask: 5 bools, found int64 (5,)": {"reset_mask": np.ones(5, int)},
-    "option reset_mask: it is False everywhere": {"reset_mask": np.zeros(5, bool)},
+    "option reset_mask: give 5 bools, not bool (4,)": {"reset_mask": np.ones(4, bool)},
+    "option reset_mask: give 5 bools, not bool (5, 1)": {"reset_mask": np.ones((5, 1), bool)},
+    "option reset_mask: give 5 bools, not int64 (5,)": {"reset_mask": np.ones(5, int)},
+    "option reset_mask: every value is False, so": {"reset_mask": np.zeros(5, bool)},
 }
 
 
@@ -240,20 +240,18 @@ def with_room(**changes) -> House:
 
 
 WRONG_HOUSES = {
-    "the bank is empty": [],
+    "list of houses is empty": [],
     "a list of House, not of str": ["house"],
     "a list of House, not of NoneType": [HOUSES[0], None],
-    "house 1 of 2: the body cannot reach room R0 (bedroom)": [HOUSES[0], CRAMPED],
+    "house 1 of 2: the robot cannot reach room R0 (bedroom)": [HOUSES[0], CRAMPED],
     "house 0 of 1: the main room is at (nan, ": [
         sample_houses.changed_star(HOUSES[0], floor=replace(HOUSES[0].star.floor, x=np.nan))
     ],
     "house 1 of 2: room R0 is at (0.0, 0.0), inf x ": [HOUSES[0], with_room(width=np.inf)],
     "house 0 of 1: the door of room R0 is at": [with_room(door=replace(ROOM.door, height=np.nan))],
     "house 0 of 1: a table in room R0 is at": [with_room(children=(replace(ROOM.children[0], width=-0.1),))],
-    "house 0 of 1: the main room reaches further than 512 m": [
-        sample_houses.drawn("a+a\n...\n...", cell=200.0)
-    ],
-    "house 0 of 1: the body has nowhere to stand in the main room": [with_floor(width=0.2, height=0.2)],
+    "house 0 of 1: the main room extends more than 512": [sample_houses.drawn("a+a\n...\n...", cell=200.0)],
+    "house 0 of 1: the robot finds no place to stand in the main room": [with_floor(width=0.2, height=0.2)],
 }
 
 
@@ -269,13 +267,14 @@ def test_a_wrong_state_is_refused_and_changes_nothing(envs, usual):
     good = envs.state
     lost = np.full_like(good["wholes"], len(HOUSES))
     wrong = {
-        "a state of other kinds or shapes": HouseVectorEnv(HOUSES, num_envs=COUNT + 1).state,
-        "here they are": {name: array for name, array in good.items() if name != "flags"},
+        "the state has other dtypes or shapes: this": HouseVectorEnv(HOUSES, num_envs=COUNT + 1).state,
+        "the state has other dtypes": {name: array for name, array in good.items() if name != "flags"},
         "<f4": good | {"reals": good["reals"].astype(float)},
-        "a state of another bank: a body is in house 3 of 3": good | {"wholes": lost},
-        "a body is outside its house": good | {"reals": good["reals"] + 200},
-        "a target is nowhere": good | {"reals": good["reals"] * np.array([1, 1, np.nan, 1], np.float32)},
-        "a body has no heading": good | {"wholes": good["wholes"] + np.eye(1, 10, 9, np.int32) * 8},
+        "the state belongs to other houses: a robot is in house 3, and there are 3": good | {"wholes": lost},
+        "the state is invalid: a robot or a": good | {"reals": good["reals"] + 200},
+        "target is outside its house": good
+        | {"reals": good["reals"] * np.array([1, 1, np.nan, 1], np.float32)},
+        "invalid: a robot has no heading": good | {"wholes": good["wholes"] + np.eye(1, 10, 9, np.int32) * 8},
     }
     for message, state in wrong.items():
         envs.reset(seed=0)
@@ -304,8 +303,8 @@ def test_the_grid_backend_refuses_other_banks_and_goes_on_as_before():
     observation, info = envs.reset()
     usual += [observation, *info.values()]
     for house, message in (
-        (sample_houses.RANDOM[0], "no grid of cells as wide as the body"),
-        (sample_houses.drawn(text, cell=0.5), "these houses need another body and step"),
+        (sample_houses.RANDOM[0], "no grid with cells as wide as the robot,"),
+        (sample_houses.drawn(text, cell=0.5), "these houses need another body size and step"),
     ):
         envs.reset(seed=0)
         with unharmed(envs, usual, ValueError, message):
@@ -319,12 +318,12 @@ def test_with_autoreset_disabled_an_ended_environment_needs_a_reset():
         envs.reset(seed=0)
         parts = outputs(envs, PLAN[:HALF])
         if misuse:
-            message = "the episode of environment 0 has ended: reset it by"
+            message = "the episode of environment 0"
             with pytest.raises(ResetNeeded, match=message):
                 envs.step(PLAN[HALF])
             with pytest.raises(ResetNeeded, match=message):
                 envs.step_torch(torch.zeros(COUNT).long())
-            with pytest.raises(ValueError, match="option reset_mask: 5 bools"):
+            with pytest.raises(ValueError, match="option reset_mask: give 5 bools"):
                 envs.reset(options={"reset_mask": np.ones(COUNT + 1, bool)})
             some = np.arange(COUNT) > 0
             state = envs.state
@@ -375,7 +374,7 @@ WRONG_ARGUMENTS = {
     "num_envs is 0": {"num_envs": 0},
     "a path, a request or a list of House, not House": {"houses": HOUSES[0]},
     "max_episode_steps is 0": {"max_episode_steps": 0},
-    "max_episode_steps is 2147483648: from 1 to 2,147,483,647": {"max_episode_steps": 2**31},
+    "max_episode_steps is 2147483648: it must be 1 to 2,147,483,647": {"max_episode_steps": 2**31},
     "max_episode_steps must be a whole number, not 1.5": {"max_episode_steps": 1.5},
     "unknown render_mode 'ansi'": {"render_mode": "ansi"},
     "there is no device tpu: did you mean cpu": {"device": "tpu"},
@@ -454,7 +453,7 @@ def test_after_close_to_step_or_reset_is_an_error():
     env.reset(seed=0)
     env.close()
     for act in (env.reset, lambda: env.step(2)):
-        with pytest.raises(ClosedEnvironmentError, match="make new ones"):
+        with pytest.raises(ClosedEnvironmentError, match="was closed: make a new one"):
             act()
 
 

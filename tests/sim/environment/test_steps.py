@@ -30,15 +30,19 @@ def test_a_space_of_numbers_is_read_as_choices_and_one_of_speeds_as_commands():
 NO_ACTIONS = [
     (THREE, [0.5], "actions must be integers 0, 1 or 2, not float64"),
     (FIFTEEN, [True], "actions must be integers 0 to 14, not bool"),
-    (THREE, [[0]], "actions have shape (1, 1): one for each of 1 environments"),
-    (THREE, [3], "actions go from 0 to 2, found 3 to 3"),
-    (THREE, [-1], "actions go from 0 to 2, found -1 to -1"),
-    (FIFTEEN, [0, 15], "actions go from 0 to 14, found 0 to 15"),
+    (THREE, [[0]], "actions have shape (1, 1): give one for each of 1 environments"),
+    (THREE, [3], "actions must be 0 to 2, not 3 to 3"),
+    (THREE, [-1], "actions must be 0 to 2, not -1 to -1"),
+    (FIFTEEN, [0, 15], "actions must be 0 to 14, not 0 to 15"),
     (TWO, ["a"], "actions must be numbers, (v, w) for each environment, not <U1"),
     (ASIDE, [False], "actions must be numbers, (vx, vy, w) for each environment, not bool"),
-    (TWO, [0.0, 0.0], "actions have shape (2,): (v, w) for each of 2 environments"),
-    (ASIDE, [[0.0, 0.0]], "actions have shape (1, 2): (vx, vy, w) for each of 1 environments"),
-    (TWO, [[0, 0], [-0.1, 0]], "action 1 is (-0.1, 0): v from 0 to 0.7 m/s, w up to 3 rad/s either way"),
+    (TWO, [0.0, 0.0], "actions have shape (2,): give (v, w) for each of 2 environments"),
+    (ASIDE, [[0.0, 0.0]], "actions have shape (1, 2): give (vx, vy, w) for each of 1 environments"),
+    (
+        TWO,
+        [[0, 0], [-0.1, 0]],
+        "action 1 is (-0.1, 0): v from 0 to 0.7 m/s, w up to 3 rad/s in either direction",
+    ),
     (TWO, [[np.nan, 0]], "action 0 is (nan, 0): v from"),
     (TWO, [[0, 3.5], [1, 0]], "action 0 is (0, 3.5): v from"),
     (ASIDE, [[0, 0.6, 0]], "action 0 is (0, 0.6, 0): vx from 0 to 0.7 m/s, vy up to 0.5 m/s, w up to 3 rad"),
@@ -94,5 +98,5 @@ def test_a_step_of_an_episode_that_has_ended_names_its_environment():
     for row in range(2):
         ended = flags.copy()
         ended[row, 2] = True
-        with pytest.raises(ResetNeeded, match="the episode of environment 2 has ended: reset it by"):
+        with pytest.raises(ResetNeeded, match="the episode of environment 2"):
             require_going_on(ended)

@@ -64,21 +64,24 @@ def test_wrong_seeds_are_refused_when_they_are_given(envs: HouseVectorEnv, seed:
 
 OF_ONE = {
     "options must be a dict": "house",
-    "option house: shape (), found (1,)": {"house": [0]},
-    "option pose: shape (3,), found (2,)": {"house": 0, "pose": [1, 2]},
-    "option pose: shape (3,), found ()": {"house": 0, "pose": "abc"},
-    "option target: finite numbers of shape (1, 2), found": {"target": ["a", "b"]},
-    "option target: shape (2,), found (3,)": {"target": [1, 2, 3]},
+    "option house: give shape (), not (1,)": {"house": [0]},
+    "option pose: give shape (3,), not (2,)": {"house": 0, "pose": [1, 2]},
+    "option pose: give shape (3,), not ()": {"house": 0, "pose": "abc"},
+    "option target: give finite numbers of shape (1, 2), not": {"target": ["a", "b"]},
+    "option target: give shape (2,), not (3,)": {"target": [1, 2, 3]},
     "there is no reset option houses: did you mean house": {"houses": 0},
 }
 OF_MANY = {
     "options must be a dict": ["house"],
-    "option house: its rows differ in length": {"house": [[0], [0, 0]]},
-    "option house: 2 integers, found int64 ()": {"house": 0},
-    "option pose: finite numbers of shape (2, 3), found [[": {"house": [0, 0], "pose": [[1, 2, 3], [1, 2]]},
-    "option target: finite numbers of shape (2, 2), found": {"target": "abc"},
-    "shape (2, 2), found [['1', '2'], ['3', '4']]": {"target": [["1", "2"], ["3", "4"]]},
-    "found some that are not finite, or too far off": {"target": [[1, 2], [3, 1e300]]},
+    "option house: the rows differ in length": {"house": [[0], [0, 0]]},
+    "option house: give 2 integers, not int64 ()": {"house": 0},
+    "option pose: give finite numbers of shape (2, 3), not [[": {
+        "house": [0, 0],
+        "pose": [[1, 2, 3], [1, 2]],
+    },
+    "option target: give finite numbers of shape (2, 2), not": {"target": "abc"},
+    "shape (2, 2), not [['1', '2'], ['3', '4']]": {"target": [["1", "2"], ["3", "4"]]},
+    "not values that are not finite or too far away": {"target": [[1, 2], [3, 1e300]]},
 }
 
 
@@ -100,10 +103,10 @@ def test_options_that_are_none_are_left_out(env: HouseEnv) -> None:
 
 
 ARGUMENTS = {
-    "num_envs is 0: from 1 to": {"num_envs": 0},
+    "num_envs is 0: it must be 1 to": {"num_envs": 0},
     "num_envs must be a whole number, not 2.0": {"num_envs": 2.0},
     "num_envs must be a whole number, not True": {"num_envs": True},
-    "num_envs is 1000000000000: from 1 to 16,777,216": {"num_envs": 10**12},
+    "num_envs is 1000000000000: it must be 1 to 16,777,216": {"num_envs": 10**12},
     "backend must be a name, one of continuous, free, grid or module:Class, not None": {"backend": None},
     "there is no autoreset_mode same: did you mean SameStep": {"autoreset_mode": "same"},
     "there is no preset ['steps']": {"preset": ["steps"]},
@@ -135,7 +138,7 @@ def test_values_of_a_configuration_are_of_their_fields_type(field: str, value: A
 @pytest.mark.parametrize("state", [{}, {"a": 1}])
 def test_a_wrong_state_or_count_is_refused_in_words(envs: HouseVectorEnv, state: Any) -> None:
     envs.reset(seed=0)
-    with pytest.raises(ValueError, match="a state of other kinds or shapes: here they are"):
+    with pytest.raises(ValueError, match="the state has other dtypes or shapes: this environment has"):
         envs.state = state
     for count in (-1, 0, "x"):
         with pytest.raises(ValueError, match="count "):
@@ -152,7 +155,9 @@ def test_torchs_devices_are_devices() -> None:
 
 
 def test_one_environment_says_who_shows_it_in_a_window() -> None:
-    with pytest.raises(ValueError, match=r"gymnasium\.make shows it in a window"):
+    with pytest.raises(
+        ValueError, match=r"render_mode 'human': use gymnasium.make, which opens a window for"
+    ):
         HouseEnv(HOUSES, render_mode="human")
 
 
@@ -160,7 +165,7 @@ def test_one_environment_says_who_shows_it_in_a_window() -> None:
 def test_an_action_of_one_environment_has_no_axis(env: HouseEnv, action: Any) -> None:
     env.reset(seed=0)
     with pytest.raises(
-        ValueError, match=r"an action is one integer, 0, 1 or 2, not an array of shape \(1,\)"
+        ValueError, match=r"an action must be one integer, 0, 1 or 2, not an array of shape \(1,\)"
     ):
         env.step(action)
 

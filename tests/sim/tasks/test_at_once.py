@@ -91,19 +91,19 @@ def test_targets_that_are_there_go_along_with_states_and_ends(mode):
         np.testing.assert_array_equal(ours[-1]["targets"], theirs[-1]["targets"])
     state = envs.state
     state["others"][3] = np.nan
-    with pytest.raises(ValueError, match="a target is nowhere"):
+    with pytest.raises(ValueError, match="target is outside its house"):
         envs.state = state
 
 
 def test_wrong_numbers_of_targets_at_once_are_refused():
     assert in_words({"task": "main", "at_once": 3}) == "targets in the main room, 3 at once"
-    range_, kind = "at_once is .*: from 1 to 64 targets", "at_once must be a whole number, not "
+    range_, kind = "at_once is .*: it must be 1 to 64 targets", "at_once must be a whole number, not "
     for number, said in ((0, range_), (65, range_), (2.0, kind), (True, kind)):
         with pytest.raises(ValueError, match=said):
             HouseVectorEnv(HOUSES, targets={"task": "main", "at_once": number})
     several = {"task": "main", "at_once": 2}
     for preset in (replace(DEFAULT, geodesic=True), replace(DEFAULT, latency=2)):
-        with pytest.raises(ValueError, match="several targets at once: neither a distance"):
+        with pytest.raises(ValueError, match="several targets at once support neither the distance"):
             HouseVectorEnv(HOUSES, targets=several, preset=preset)
     with pytest.raises(ValueError, match="another number of targets at once"):
         HouseVectorEnv(HOUSES, targets="main").set_houses(HOUSES, several)

@@ -77,7 +77,7 @@ def test_finding_the_piece_ends_the_episode():
     ("houses", "kind", "message"),
     [
         ([HOUSE], "bedd", "targets: there is no piece bedd: did you mean bed? There are bed, stove"),
-        ([HOUSE, TWO, TWO], "stove", r"house 1 of 3 has no stove: take the 1 that have one"),
+        ([HOUSE, TWO, TWO], "stove", r"house 1 of 3 has no stove: use the 1 houses that have one"),
     ],
 )
 def test_a_piece_that_a_house_lacks_is_told_in_one_line(houses, kind, message):
@@ -87,7 +87,7 @@ def test_a_piece_that_a_house_lacks_is_told_in_one_line(houses, kind, message):
 
 
 def test_the_kind_of_a_piece_is_a_name():
-    with pytest.raises(ValueError, match="piece: the kind of a piece, not 3"):
+    with pytest.raises(ValueError, match="piece: give a furniture type, not 3"):
         HouseVectorEnv([HOUSE], targets={"task": "object", "piece": 3})
 
 
@@ -148,7 +148,7 @@ def test_a_habit_belongs_to_the_house_and_the_seed():
 def test_a_share_is_above_none_and_at_most_all():
     assert len(Habit(share=1).regions(HOUSE)) == 1
     for share in (0, 1.01):
-        with pytest.raises(ValueError, match="share: above 0 and at most 1"):
+        with pytest.raises(ValueError, match="share must be above 0 and at most"):
             Habit(share=share)
 
 
@@ -206,5 +206,5 @@ def test_a_kind_that_no_house_has_is_refused_in_one_line():
         ValueError, match=r"^kinds: there is no piece bedd: did you mean bed\? There are bed, stove$"
     ):
         HouseVectorEnv([HOUSE], preset=replace(DEFAULT, kinds=("bedd",)))
-    with pytest.raises(ValueError, match="kinds are bed, bed: each once"):
+    with pytest.raises(ValueError, match="kinds are bed, bed: name each once"):
         replace(DEFAULT, kinds=("bed", "bed"))

@@ -215,12 +215,12 @@ def test_evaluation_counts_pick_ups_and_keeps_what_ends_an_episode():
 
 WRONG = {
     "terms: there is no class vist: did you mean visit?": {"class": "vist"},
-    "terms: most is 0: from 1 to 1,512 rooms": {"class": "visit", "most": 0},
+    "terms: most is 0: it must be 1 to 1,512 rooms": {"class": "visit", "most": 0},
     "it has 3 rooms, more than the terms' most of 2: raise most": {"class": "visit", "most": 2},
     "no room to visit: there is no room type hut": {"class": "visit", "types": ["hut"]},
     "no room with a charger: there is no room type hut": {"class": "battery", "charger": "hut"},
-    "terms: capacity is -1: from 1": {"class": "battery", "capacity": -1},
-    "terms: charge is -1: not negative": {"class": "battery", "charge": -1},
+    "terms: capacity is -1: it must be 1": {"class": "battery", "capacity": -1},
+    "terms: charge is -1: it must not be negative": {"class": "battery", "charge": -1},
     "terms: visit must be a finite number, not nan": {"class": "visit", "visit": float("nan")},
 }
 
@@ -234,7 +234,7 @@ def test_wrong_memories_are_said_to_be_in_one_line(message):
 
 
 def test_a_memory_is_observed_only_where_terms_keep_one():
-    with pytest.raises(ValueError, match="the task's terms keep no memory"):
+    with pytest.raises(ValueError, match="observe: the task's terms have no memory: use"):
         HouseVectorEnv(HOUSES, targets="all", preset=replace(DEFAULT, observe=("rays", "memory")))
 
 

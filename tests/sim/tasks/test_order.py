@@ -64,10 +64,10 @@ def test_an_order_is_said_in_words_and_a_wrong_one_refused():
     asked = {"task": "order", "rooms": ["wc", "hall"], "terms": {"targets": 2}}
     assert in_words(asked) == "targets in rooms of type wc, then hall, targets 2"
     points = {"points": [[1, 2]], "in_order": True}
-    assert in_words(points) == "targets at 1 given place, in their order"
+    assert in_words(points) == "targets at 1 given place, in order"
     for rooms, message in (
-        ([DRAWN.rooms[0].type, "hut"], "house 0 of 1: it has no room for the targets of Order"),
-        ([], "a list of room types, in their order"),
+        ([DRAWN.rooms[0].type, "hut"], "house 0 of 1: it has no room that can hold the targets"),
+        ([], "rooms: give a list of room types, in order, not"),
         ("hall", "a list of room types, not 'hall'"),
     ):
         with pytest.raises(ValueError, match=message):

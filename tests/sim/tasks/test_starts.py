@@ -46,8 +46,8 @@ def test_starts_are_said_in_words_and_wrong_ones_refused():
     assert in_words({"task": "reach", "room": "wc", "starts": "all"}) == "reach a wc, from all rooms"
     for wrong, message in (
         (["hut"], f"house 0 of 2: starts: there is no room type hut: there are .*{kind}"),
-        (kind, "starts: a list of room types, or all"),
-        ([3], "starts: a list of room types, or all"),
+        (kind, "starts: give a list of room types, or all"),
+        ([3], "starts: give a list of room types, or all"),
     ):
         with pytest.raises(ValueError, match=message):
             HouseVectorEnv(HOUSES, targets={"task": "all", "starts": wrong})
@@ -94,9 +94,9 @@ def test_wrong_options_for_next_episodes_are_refused():
     envs = HouseVectorEnv(HOUSES, 2, targets="main")
     envs.reset(seed=0)
     cases = list[tuple[Any, str]]((
-        ({"house": [0, 2]}, "the bank has houses 0 to 1"),
-        ({"pose": [[0, 0, 0]] * 2}, "say in which houses"),
-        ({"reset_mask": [True, False]}, "reset_mask is an option of reset only"),
+        ({"house": [0, 2]}, "option house: there are houses 0 to 1"),
+        ({"pose": [[0, 0, 0]] * 2}, "option pose: name the houses of"),
+        ({"reset_mask": [True, False]}, "options for next episodes: only reset"),
         ({"hose": [0, 0]}, "did you mean house"),
         (3, "options must be a dict"),
     ))  # fmt: skip
@@ -104,7 +104,7 @@ def test_wrong_options_for_next_episodes_are_refused():
         with pytest.raises(ValueError, match=message):
             envs.set_next(wrong)
     disabled = HouseVectorEnv(HOUSES, 2, targets="main", autoreset_mode="Disabled")
-    with pytest.raises(ValueError, match="the mode has no automatic resets"):
+    with pytest.raises(ValueError, match="resets, and houses that do not rotate"):
         disabled.set_next({"house": [0, 0]})
 
 
@@ -121,5 +121,5 @@ def test_a_state_with_options_of_other_houses_is_refused(name, place, value):
     envs.set_next({"house": [0], "pose": POSES[:1]})
     state = envs.state
     state[name][0, place] = value
-    with pytest.raises(ValueError, match="a state of "):
+    with pytest.raises(ValueError, match="the state "):
         envs.state = state

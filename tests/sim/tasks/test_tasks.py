@@ -146,7 +146,7 @@ def test_a_task_as_text_goes_through_the_spec_and_is_filmed(tmp_path):
 def test_a_house_without_such_a_room_is_refused():
     with pytest.raises(
         ValueError,
-        match=r"house 0 of 7: it has no room for the targets of Reach\(room='sauna'\): there are bedroom",
+        match=r"house 0 of 7: it has no room that can hold the targets of Reach\(room='sauna'\)",
     ):
         HouseVectorEnv(HOUSES, targets=Reach("sauna"))
 
@@ -165,20 +165,23 @@ def test_a_task_by_its_name_goes_through_the_spec(tmp_path: Path) -> None:
     [
         ("attic.json", "there is no task attic.json"),
         ("[1]", "there is no task"),
-        ({"points": []}, r"points: a list of \[x, y\], not \[\]"),
-        ({"points": [[1.0, float("nan")]]}, "points: a list"),
-        ({"points": [[1.0, 2.0]], "start": [1.0, 2.0]}, r"start: \[x, y, heading\]"),
+        ({"points": []}, r"points: give a list of \[x, y\], not \[\]"),
+        ({"points": [[1.0, float("nan")]]}, "points: give a list"),
+        ({"points": [[1.0, 2.0]], "start": [1.0, 2.0]}, r"start: give \[x, y, heading\]"),
         ({"points": [[1.0, 2.0]], "unit": "ft"}, "unit ft: there are m, px"),
-        ({"points": [[99.0, 2.0]]}, r"house 0 of 1: the body cannot pick up a target at \(99.000, 2.000\) m"),
-        ({"points": [[6.0, 1.0]], "start": [-1.0, 1.0, 0.0]}, "the body cannot be at"),
-        ({"points": [[6.0, 1.0]], "start": [6.0, 1.0, 0.3]}, "heading a multiple of pi/4"),
+        (
+            {"points": [[99.0, 2.0]]},
+            r"house 0 of 1: the robot cannot pick up a target at \(99.000, 2.000\) m",
+        ),
+        ({"points": [[6.0, 1.0]], "start": [-1.0, 1.0, 0.0]}, "the robot cannot stand at"),
+        ({"points": [[6.0, 1.0]], "start": [6.0, 1.0, 0.3]}, "heading must be a multiple of pi/4"),
         ("attic", "there is no task attic: there are main, secondary, mixed"),
         ({"task": "fly"}, "there is no task fly: there are collect, habit, object, points, reach"),
         ({"task": "reach"}, "cannot be used: .*room"),
         ({"task": "reach", "room": "hall", "door": 1}, "cannot be used: .*door"),
         ("tests.sim.tasks.test_tasks:Smallest", "cannot be used: .*Smallest"),
         ("tests.nowhere:Task", "cannot be used: No module"),
-        (5, "5 is no task"),
+        (5, "5 is not a task"),
     ],
 )
 def test_an_object_that_is_no_task_is_refused(targets, message):

@@ -125,7 +125,7 @@ def test_a_class_of_terms_sees_the_distance_if_it_says_so():
         np.testing.assert_array_equal(one[found == 1], 1)
         picked += found.sum()
     assert picked > 9
-    with pytest.raises(ValueError, match="the oracle plays no task whose terms see the distance"):
+    with pytest.raises(ValueError, match="the oracle cannot run a task whose terms use the distance"):
         Oracle(HouseVectorEnv(HOUSES, targets=near)).play()
 
 
@@ -157,11 +157,11 @@ WRONG = {
     "terms: there is no term stepp: did you mean step?": {"stepp": 1},
     "terms: step must be a finite number, not nan": {"step": float("nan")},
     "terms: step must be a number, not '1'": {"step": "1"},
-    "terms: targets must be a whole number from 0, not -1": {"targets": -1},
-    "terms: discount is 2: from 0 to 1": {"discount": 2},
-    ":Reach is no class of vitruvius.sim.tasks.terms.Terms": "vitruvius.sim.tasks.tasks:Reach",
+    "terms: targets must be a whole number, 0 or more, not -1": {"targets": -1},
+    "terms: discount is 2: it must be 0 to 1": {"discount": 2},
+    ":Reach is not a subclass of vitruvius.sim.tasks.terms.Terms": "vitruvius.sim.tasks.tasks:Reach",
     "No module named 'gone'": "gone:Away",
-    'terms: {"step": -0.01} or "module:Class", not 3': 3,
+    'terms: give {"step": -0.01} or "module:Class", not 3': 3,
 }
 
 

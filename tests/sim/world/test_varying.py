@@ -115,16 +115,16 @@ def test_wrong_ranges_are_refused(varied, message):
 
 def test_a_width_that_differs_is_refused_where_another_is_counted_on():
     varied = (("width", 0.5, 1.0),)
-    with pytest.raises(ValueError, match="width cannot vary with closed doors"):
+    with pytest.raises(ValueError, match="varied: width cannot vary together with closed doors"):
         Config(varied=varied, closed_doors=4)
-    with pytest.raises(ValueError, match="bodies of this backend have a fixed width"):
+    with pytest.raises(ValueError, match="varied: robots of this backend have a fixed width: use"):
         HouseVectorEnv([DRAWN], preset=Config(varied=varied), backend="grid")
-    with pytest.raises(ValueError, match="needs a body whose width does not vary"):
+    with pytest.raises(ValueError, match="to the target needs a body of fixed width"):
         HouseVectorEnv(
             HOUSES, preset=Config(varied=varied), targets={"task": "all", "terms": {"progress": 1}}
         )
 
 
 def test_only_a_body_that_drives_has_a_speed():
-    with pytest.raises(ValueError, match="bodies of this backend do not drive"):
+    with pytest.raises(ValueError, match="varied: robots of this backend do not drive: speed"):
         HouseVectorEnv(HOUSES, preset=Config(varied=(("speed", 0.5, 1.0),)))

@@ -153,7 +153,7 @@ def test_set_houses_refuses_a_task_whose_episodes_end_or_earn_otherwise():
     envs = HouseVectorEnv(HOUSES, targets="main")
     envs.reset(seed=1)
     before = envs.targets(5)
-    with pytest.raises(ValueError, match="episodes of that task end otherwise"):
+    with pytest.raises(ValueError, match="episodes of that task end differently: make"):
         envs.set_houses(HOUSES, {"task": "reach", "room": "kitchen"})
     with pytest.raises(ValueError, match="other terms: make a new environment"):
         envs.set_houses(HOUSES, {"task": "main", "terms": {"step": -1.0}})
