@@ -98,7 +98,7 @@ def _frozen(path: Path, frozen: str) -> Houses:
     """
     houses = Houses(load(path))
     if bank_hash(houses) != frozen:
-        raise HouseFileError(f"{path}: not the frozen bank ({frozen[:12]}). Restore it from Git")
+        raise HouseFileError(f"{path}: not the held-out set ({frozen[:12]}). Restore it from Git")
     return houses
 
 
@@ -130,7 +130,7 @@ def require_places(targets: str, houses: str | Path) -> None:
     from vitruvius.sim.tasks.tasks import PAPER_TASKS
 
     if targets in PAPER_TASKS and str(houses) != PAPER_HOUSE:
-        raise RequestError(f"{targets}: its targets have places in the house {PAPER_HOUSE}, not in {houses}")
+        raise RequestError(f"{targets}: its targets are points of the house {PAPER_HOUSE}, not of {houses}")
 
 
 def require_training(houses: Sequence[House], name: str | Path) -> None:
@@ -141,17 +141,19 @@ def require_training(houses: Sequence[House], name: str | Path) -> None:
     for index, why in enumerate(kept(houses)):
         if why:
             raise HouseFileError(
-                f"{name}: house {index}: {why} kept for measuring. "
-                f"Learn in houses of seeds below {TRAINING.stop}"
+                f"{name}: house {index}: {why} reserved for evaluation. Train on houses with seeds below "
+                f"{TRAINING.stop}"
             )
 
 
 def require_training_seeds(houses: HouseSet | HouseStream) -> None:
     """Raise ``RequestError`` for a set or a stream with seeds that are not for training."""
     if isinstance(houses, HouseSet) and houses.splits != {"train"}:
-        raise RequestError('a set is learnt in by its split train: HouseSet(folder, "train")')
+        raise RequestError('training uses the split train of a set: HouseSet(folder, "train")')
     if isinstance(houses, HouseStream) and houses.seed not in TRAINING:
-        raise RequestError(f"seed {houses.seed} of a stream: learn in houses of seeds below {TRAINING.stop}")
+        raise RequestError(
+            f"seed {houses.seed} of a stream: train on houses with seeds below {TRAINING.stop}"
+        )
 
 
 def kept(houses: Sequence[House]) -> Iterator[str]:
@@ -167,4 +169,4 @@ def kept(houses: Sequence[House]) -> Iterator[str]:
             yield f"its seed {seed} is"
         else:
             bank = tested.get(geometry_hash(house))
-            yield f"it is in the bank {bank}," if bank else ""
+            yield f"it is in the held-out set {bank}," if bank else ""

@@ -10,9 +10,9 @@ from vitruvius.page import WIDTH, quoted
 HEAD = """\
 # The studies
 
-`./run bench NAME` in a checkout runs a study. It measures, and writes its figures as JSON into the folder of
-`--out`; most write a page and a report there, too. An installed package has no studies. This page is made
-of their help, by `./run python -m benchmarks.page > docs/studies.md`; a test holds that it is of today.
+`./run bench NAME` in a checkout runs a study. A study writes its figures as JSON into the folder of `--out`,
+and most write a page and a report there, too. An installed package has no studies. This page has their help;
+`./run python -m benchmarks.page` prints it.
 """
 
 

@@ -169,9 +169,7 @@ class Coverage:
         """
         self.world: World = envs.unwrapped.world
         if self.world.config.closed_doors:
-            raise ValueError(
-                "coverage is of looks through doorways: give it environments with closed_doors=0"
-            )
+            raise ValueError("coverage needs open doorways: give it environments with closed_doors=0")
         pitch = in_steps(SPOT_PITCH_M, self.world)
         spots = [here.targets[here.spread(pitch)] for here in self.world.places]
         self.arrays = {

@@ -39,7 +39,7 @@ def posterior_arrays(world: World, prior: Uniform, views: np.ndarray, more: np.n
     sizes = np.array([[len(places) for places in each] for each in (spots, samples)])
     words = -(-sizes[1].max() // WORD)
     if views.sum() * words >= 1 << 31:
-        raise ValueError(f"{len(spots)} houses are too many for a searcher: give it some at a time")
+        raise ValueError(f"{len(spots)} houses are too many for one searcher: pass them in smaller groups")
     rows = np.column_stack([starts(sizes[0]), sizes[0], starts(sizes[1]), sizes[1], starts(views), more])
     arrays = {
         "spots": Array.of(np.concatenate(spots).ravel()),

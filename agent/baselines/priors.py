@@ -47,7 +47,7 @@ class Floor(Uniform):
         """
         super().__init__(world, tables, pitch)
         if any(here.given for here in world.places):
-            raise ValueError("prior floor: this task's targets lie at given places")
+            raise ValueError("prior floor: this task places its targets at given points")
         bank = zip(world.houses, world.bank.geometries, world.lattices, tables, strict=True)
         self.spots = [
             free_floor(house, shape, lattice, table, world.config) for house, shape, lattice, table in bank
@@ -66,7 +66,7 @@ class Weighted(Uniform):
         super().__init__(world, tables, pitch)
         self.world, self.regions = world, [here.regions for here in world.places]
         if not all(self.regions):
-            raise ValueError(f"prior finds: {world.task} has no regions, as habit has")
+            raise ValueError(f"prior finds: {world.task} has no regions; the task habit has them")
         self.samples = [np.concatenate([_word(region) for region in regions]) for regions in self.regions]
         self.shares = [np.array([region.share for region in regions]) for regions in self.regions]
 

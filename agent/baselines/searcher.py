@@ -53,7 +53,7 @@ class Searcher:
         self.world: World = envs.unwrapped.world
         self.world.config.require_lattice("a searcher")
         if self.world.config.closed_doors:
-            raise ValueError("a searcher looks through doorways: give it environments with closed_doors=0")
+            raise ValueError("the searcher needs open doorways: give it environments with closed_doors=0")
         world, count = self.world, self.world.num_envs
         tables = survey(world.backend, world.bank, list(range(len(world.places))), world.lattices)
         self.prior = PRIORS[prior](world, tables, in_steps(SAMPLE_PITCH_M, world))

@@ -34,9 +34,9 @@ def learnt_in(agents: Mapping[str, Sequence[Checkpoint]], houses: Sequence[House
 def warnings(found: Mapping[str, int | None], houses: int) -> list[str]:
     """Return a warning for each agent, in a sentence."""
     return [
-        f"{name}: whether it learnt in these houses is not known, as its checkpoint does not name its houses"
+        f"{name}: its checkpoint does not name its training houses, so they may include these"
         if number is None
-        else f"{name}: {_share(number, houses)} it learnt in: its score is not for unseen houses"
+        else f"{name}: {_share(number, houses)} it was trained on: its score is not for unseen houses"
         for name, number in found.items()
     ]
 

@@ -178,7 +178,7 @@ def require_drive(agents: Mapping[str, Sequence[Checkpoint]], baseline: Config, 
     for name, runs in agents.items():
         for run in runs:
             if replace(sensor(run.config, world).drive, commands=()) != baseline.drive:
-                what = "its limits differ from the baselines': only the commands may differ"
+                what = "its speed limits differ from the baselines': only the commands may differ"
                 raise RequestError(f"{name}: drive: {what}")
 
 

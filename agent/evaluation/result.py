@@ -35,20 +35,19 @@ HUMAN_RATIO = 0.48
 """Ratio of the human's targets to the oracle's, in both modes."""
 
 DEFINITIONS = {
-    "targets": "picked up in an episode of 1500 steps, in the world long of 3000: interquartile mean over "
-    "houses and training runs",
-    "ratio": "targets as a share of the oracle's in the same house, of the true path's where bodies drive: "
+    "targets": "targets collected in an episode of 1500 steps (3000 in the world long): interquartile mean "
+    "over houses and training runs",
+    "ratio": "targets relative to the oracle in the same house, for driving robots to the true path: "
     "interquartile mean",
-    "success": f"share of episodes whose first target was picked up within {SUCCESS_STEPS} steps; at all, "
-    "where that ends the episode",
-    "spl": "success weighted by the shortest way's length over the way taken, in steps",
-    "first_find": "steps to the first target, where that ends the episode; a whole episode's without one",
-    "coverage_500": "share of the house looked at after 500 steps: of the places where a target may lie, "
-    "in any room, those where it would have been seen",
+    "success": f"share of episodes that reach their first target within {SUCCESS_STEPS} steps, or at all if "
+    "it ends the episode",
+    "spl": "success weighted by the length of the shortest path over the path taken, in steps",
+    "first_find": "steps to the first target if it ends the episode, or those of a whole episode",
+    "coverage_500": "share of the target places, in any room, that the policy has looked at after 500 steps",
     "coverage_1500": "the same after 1500 steps",
-    "rooms": "share of the secondary rooms that it was in",
+    "rooms": "share of the secondary rooms that the policy has entered",
     "blocked": "moves that walls or furniture blocked, per 1000 steps",
-    "interventions": "actions that the avoidance layer changed, per 1000 steps",
+    "interventions": "actions that the action mask changed, per 1000 steps",
     "human": "share of houses with more targets than the paper's human had in the paper's own house: "
     f"{HUMAN['main'].targets} in the main room, {HUMAN['secondary'].targets} in secondary rooms",
 }

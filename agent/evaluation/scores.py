@@ -134,7 +134,7 @@ def load(path: Path) -> ScoreFile:
     except OSError as error:
         raise ScoreError(f"{path}: cannot be read: {error.strerror or error}") from None
     except ValueError as error:  # not JSON, or JSON of something else
-        raise ScoreError(f"{path}: no scores: {error}. Write some by vitruvius evaluate --out") from None
+        raise ScoreError(f"{path}: not scores: {error}. Write some: vitruvius evaluate --out") from None
 
 
 def external(
@@ -161,12 +161,14 @@ def external(
         ("episodes", file.episodes, episodes),
     ):
         if theirs != ours:
-            raise ScoreError(f"{path}: measured with {name} {theirs}, here it is {ours}: not comparable")
+            raise ScoreError(
+                f"{path}: evaluated with {name} {theirs}, not {ours}: the scores are not comparable"
+            )
     found = [mode for mode in modes if mode in file.targets]
     if not found:
         raise ScoreError(
-            f"{path}: targets in {', '.join(file.targets)}, here in {', '.join(modes)}: not comparable. "
-            "Choose by --targets"
+            f"{path}: its targets are {', '.join(file.targets)}, not {', '.join(modes)}: the scores are not "
+            "comparable. Choose targets by --targets"
         )
     from vitruvius.agent.learning.environments import playable  # here: it imports Taichi
 
@@ -195,7 +197,7 @@ def _whole_scores(path: Path, name: str, run: RunScores, episodes: int) -> Episo
     """Return a run's scores. Raises ``ScoreError`` unless every episode has its value."""
     rows = (run.targets, run.first, run.rooms, *run.coverage)
     if len(run.coverage) != len(COVERAGE_STEPS) or any(len(row) != episodes for row in rows):
-        raise ScoreError(f"{path}: no scores: {name} has not one value for each of {episodes} episodes")
+        raise ScoreError(f"{path}: not scores: {name} needs one value for each of {episodes} episodes")
     return _scores(run)
 
 

@@ -74,7 +74,7 @@ def bootstrap(
     """
     scores = np.atleast_2d(np.asarray(scores, dtype=float))
     if scores.ndim != 2 or not scores.size or not np.isfinite(scores).all():
-        raise ValueError("a figure needs finite scores, at least one: a row for each run")
+        raise ValueError("a figure needs at least one score, all finite, with a row for each run")
     rng, (runs, houses) = np.random.default_rng(seed), scores.shape
     columns = rng.integers(houses, size=(resamples, 1, houses))
     rows = rng.integers(runs, size=(resamples, runs, houses)) if runs > 1 else 0

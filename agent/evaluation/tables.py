@@ -27,23 +27,24 @@ def human_name(mode: str) -> str:
 
 
 SCORE_NOTE = (
-    "All policies meet the same starts and targets. Targets: picked up in an episode. Ratio: to the oracle's "
-    "in the same house; the oracle knows the house and the target and takes the shortest way. Both are "
-    "interquartile means, with 95 % intervals over training runs and houses. Success: the share of episodes "
-    f"with a first target within {SUCCESS_STEPS} steps, or at all, where it ends the episode. SPL: that "
-    "times the shortest way's length over the way taken. Steps to find: to that target, or a whole "
-    "episode's. Last column: the share of houses with more targets than the paper's human, who had the "
-    "whole map in sight, in the paper's own house: the human's row says whether that is another house. "
-    "Random + avoidance is the paper's random walk; the explorer is the planner without a network."
+    "All policies have the same starts and targets. Targets: number collected in an episode. Ratio: targets "
+    "relative to the oracle in the same house; the oracle knows the house and the target and takes the "
+    "shortest path. Both are interquartile means, with 95 % intervals over training runs and houses. "
+    f"Success: share of episodes that reach their first target within {SUCCESS_STEPS} steps, or at all if "
+    "it ends the episode. SPL: success weighted by the length of the shortest path over the path taken. "
+    "Steps to find: steps to the first target, or those of a whole episode. Last column: share of houses "
+    "with more targets than the paper's human, who saw the whole map of the paper's own house; the human's "
+    "row states if that is another house. Random + avoidance is the paper's random walk; the explorer is "
+    "the planner without a network."
 )
 """Note on the columns and rows of ``score_table``."""
 
 NOTE = (
-    f"{SCORE_NOTE} Paper, original: the weights that the paper's authors released; paper, retrained: their "
-    "agent trained again here; both play as the original does, by its avoidance and with 2.5 % of random "
-    "actions. The searcher knows the house, but not where the target is. Seen: the share of the places "
-    "where targets may lie that it had looked at by that step. Rooms: the share of the secondary rooms that "
-    "it was in. Blocked moves, and actions that the avoidance layer overruled: per 1000 steps."
+    f"{SCORE_NOTE} Paper, original: the weights that the paper's authors released. Paper, retrained: their "
+    "agent, trained again here. Both use the original's avoidance, and 2.5 % of random actions. The "
+    "searcher knows the house, but not the target's place. Seen: share of the target places that the policy "
+    "has looked at by that step. Rooms: share of the secondary rooms that it has entered. Blocked moves, "
+    "and actions changed by the action mask: per 1000 steps."
 )
 """Note on the columns and rows of all tables."""
 

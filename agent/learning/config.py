@@ -33,8 +33,8 @@ class TrainConfig:
     """
 
     groups: ClassVar = {
-        "targets": "What is learnt",
-        "num_envs": "The run's size",
+        "targets": "Learning objective",
+        "num_envs": "Size of the run",
         "learning_rate": "Learning",
     }
 
@@ -129,10 +129,10 @@ class TrainConfig:
         """Raise ``RequestError`` for values that no run can have, before anything is made."""
         if self.world == "drive":
             if not self.drives:
-                raise RequestError(f"world drive: {self.algorithm} is of bodies on a lattice: try pqn-free")
+                raise RequestError(f"world drive: {self.algorithm} moves in grid steps: use pqn-free")
             if self.avoidance != "none":
                 raise RequestError(
-                    f"world drive: the layer {self.avoidance} is of bodies on a lattice: add --avoidance none"
+                    f"world drive: the action mask {self.avoidance} needs grid steps: add --avoidance none"
                 )
         for name in self.positive:
             if getattr(self, name) is not None and not getattr(self, name) > 0:
@@ -194,7 +194,7 @@ class QLearningConfig(TrainConfig):
         if self.module and ":" not in self.module:
             raise RequestError(f"module: give module:Class, not {self.module!r}")
         if len(self.half_lives) > MAX_HALF_LIVES:
-            raise RequestError(f"half_lives are at most {MAX_HALF_LIVES}, not {len(self.half_lives)}")
+            raise RequestError(f"half_lives has at most {MAX_HALF_LIVES} values, not {len(self.half_lives)}")
         if not all(0 < half_life < inf for half_life in self.half_lives):
             raise RequestError(f"half_lives must be above 0 and finite, not {self.half_lives}")
 

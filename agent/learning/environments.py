@@ -82,20 +82,20 @@ def require_own_maps(config: TrainConfig, envs: HouseVectorEnv) -> None:
     )
     if body != learnt:
         raise RequestError(
-            f"{name} that learnt maps of a body of {learnt:.3f} m cannot read those of one of {body:.3f} m"
+            f"{name} was trained on maps of a robot {learnt:.3f} m wide and cannot read those of one "
+            f"{body:.3f} m wide"
         )
     require_task(config.targets)
     if task(config.targets) != envs.world.task:
         raise RequestError(
-            f"{name} plays no other task than the one that it has learnt: "
-            f"give --targets {shlex.quote(config.targets)}"
+            f"{name} runs only the task that it was trained on: give --targets {shlex.quote(config.targets)}"
         )
 
 
 def shield(envs: HouseVectorEnv) -> Shield:
     """Return the avoidance layer for the body and the rays of these environments."""
     config = envs.config
-    config.require_lattice("the layer shield")
+    config.require_lattice("the action mask shield")
     return Shield(
         config.ray_angles,
         config.range,
@@ -116,9 +116,9 @@ def layer_of(config: TrainConfig, envs: HouseVectorEnv, generator: torch.Generat
     """
     if envs.config.drives != (config.world == "drive"):
         raise RequestError(
-            "an agent that drives plays in the backend free alone"
+            "an agent that drives runs only in the backend free"
             if config.world == "drive"
-            else "the agent's body moves on a lattice, which the backend free does not have"
+            else "the agent moves in grid steps, which the backend free does not have"
         )
     match config.avoidance:
         case "paper":

@@ -251,12 +251,14 @@ class Learner(ABC):
         Raises ``RequestError`` for a state of another config or other houses.
         """
         if state["algorithm"] != self.config.algorithm:
-            raise RequestError(f"a run of {state['algorithm']} cannot go on as {self.config.algorithm}")
+            raise RequestError(f"a run of {state['algorithm']} cannot be resumed as {self.config.algorithm}")
         other = set(differences(self.config, type(self.config)(**state["config"]))) - {"steps", "seconds"}
         if other:
-            raise RequestError(f"a run of another config cannot go on here: {', '.join(sorted(other))}")
+            raise RequestError(
+                f"a run with another config cannot be resumed here: {', '.join(sorted(other))}"
+            )
         if state["houses"] != bank_hash(self.houses):
-            raise RequestError("a run in other houses cannot go on here")
+            raise RequestError("a run in other houses cannot be resumed here")
         self.network.load_state_dict(state["network"])
         self.generator.set_state(state["generator"])
         self.envs.state = {name: tensor.numpy() for name, tensor in state["envs"].items()}

@@ -23,8 +23,8 @@ def set_precision(precision: str, device: str = "cpu") -> None:
     """
     if precision != "highest" and device == "cpu" and not _survives(TRIAL):
         raise RequestError(
-            f"precision {precision}: this machine names instructions for it (AMX) that it cannot run. Give "
-            "highest, or set ONEDNN_MAX_CPU_ISA=AVX512_CORE_BF16"
+            f"precision {precision}: this machine reports AMX instructions that it cannot run. Use "
+            "precision highest, or set ONEDNN_MAX_CPU_ISA=AVX512_CORE_BF16"
         )
     torch.set_float32_matmul_precision(precision)
 

@@ -114,8 +114,8 @@ def _all_there() -> Iterator[None]:
         if not LOST.search(str(error)):
             raise
         raise Killed(
-            f"rank {dist.get_rank()} of {dist.get_world_size()} has lost another one, so the run ends; "
-            "start all ranks again with --resume: it goes on from its last report"
+            f"rank {dist.get_rank()} of {dist.get_world_size()} lost contact with another rank, so the run "
+            "ends. Restart all ranks with --resume: the run continues from its last report"
         ) from error
 
 

@@ -50,8 +50,8 @@ def simulator(config: TrainConfig) -> Config:
     made = msgspec.convert(values, Config)
     if made.observe != DEFAULT.observe or made.flat:
         raise RequestError(
-            "--sim observe: agents that come with the project read rays, bumps and their own actions by "
-            "themselves: leave it out, and give it to the environments of an agent of your own"
+            "--sim observe: the project's agents choose their own observations: leave it out. It is for "
+            "environments of your own agents"
         )
     return made
 
@@ -72,7 +72,9 @@ def actions(config: TrainConfig) -> int:
         return ACTIONS
     commands = simulator(config).drive.commands
     if len(commands) <= FORWARD or commands[FORWARD][0] <= 0:
-        raise RequestError(f"world drive: {len(commands)} commands: three at least, the third one forward")
+        raise RequestError(
+            f"world drive: {len(commands)} commands: give at least three, the third of them forward"
+        )
     return len(commands)
 
 

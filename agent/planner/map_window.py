@@ -43,10 +43,10 @@ class MapWindow(VectorWrapper):
         super().__init__(env)
         inner = env.unwrapped
         if not isinstance(inner, HouseVectorEnv):
-            raise ValueError(f"a map is kept in a HouseVectorEnv, not in a {type(inner).__name__}")
+            raise ValueError(f"a map needs a HouseVectorEnv, not a {type(inner).__name__}")
         self.inner, told = inner, inner.config
         if told.flat or RAYS not in told.observe:
-            raise ValueError("a map is made of rays, a part of their own: observe them, and not flat")
+            raise ValueError("a map is built from rays: add rays to observe, and leave out flat")
         self.planner = Planner(told, self.num_envs, config)
         self.window = LocalMap(self.planner, side)
         seen = env.single_observation_space

@@ -98,7 +98,7 @@ class Planner:
         The advice follows the viewpoints.
         """
         if self._lead is None:
-            raise ValueError("these planners choose their viewpoints: make them with led")
+            raise ValueError("these planners choose their own viewpoints: create them with led=True")
         given = self.arrays["goals"].view().reshape(-1, 3)
         given[:] = -1
         given[environments] = goals
@@ -116,7 +116,9 @@ class Planner:
     @state.setter
     def state(self, state: dict[str, Tensor]) -> None:
         if set(state) != set(self._kept):
-            raise RequestError("the planners were kept by another revision of agent.planner: start a new run")
+            raise RequestError(
+                "the planners' state was saved by another revision of agent.planner: start a new run"
+            )
         for name in self._kept:
             self.arrays[name].fill(state[name].numpy())
 

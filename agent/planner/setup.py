@@ -41,7 +41,7 @@ class Setup(NamedTuple):
 def require_time(world: Config) -> None:
     """Raise ``ValueError`` for episodes with more steps than a cell can store."""
     if world.steps > MAX_STEP - 2:
-        raise ValueError(f"a cell has room for episodes of {MAX_STEP - 2:,} steps, not of {world.steps:,}")
+        raise ValueError(f"planners support episodes of up to {MAX_STEP - 2:,} steps, not {world.steps:,}")
 
 
 def body_model(world: Config, cell: float, step: int, *, errs: bool, prior: bool, led: bool) -> BodyModel:

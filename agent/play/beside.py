@@ -33,9 +33,9 @@ MAX_GAMES, MAX_STEPS, MAX_TABLES = 1 << 10, 1 << 20, 16
 """Bounds of a file of games: number of games, total steps of their episodes, and number of kinds of games."""
 
 BESIDE_NOTE = (
-    "People, agents and baselines play the same episodes: house, start and targets. Each game was played "
-    "again from its actions, and came out as it says. Interquartile means with 95 % intervals over games; "
-    "ahead: the policy's ratio less the people's, paired by game."
+    "People, agents and baselines play the same episodes: house, start and targets. Each game was replayed "
+    "from its actions, with the recorded result. Interquartile means with 95 % intervals over games; ahead: "
+    "paired difference, by game, of the policy's ratio and the people's."
 )
 
 
@@ -55,7 +55,7 @@ def replayable(path: Path) -> list[PlayedGame]:
 
 def _require_at_most(most: int, count: int, path: Path, what: str) -> None:
     if count > most:
-        raise ResultsError(f"{path}: {count:,} {what}, more than the limit of {most:,}: give fewer games")
+        raise ResultsError(f"{path}: {count:,} {what} exceed the limit of {most:,}: give fewer games")
 
 
 def people_tables(
@@ -69,7 +69,10 @@ def people_tables(
     games = replayable(path)
     for number, game in enumerate(games, start=1):
         if game.index >= len(houses):
-            raise ResultsError(f"{path}:{number}: played in house {game.index}, here are {len(houses)}")
+            raise ResultsError(
+                f"{path}:{number}: the game was played in house {game.index}, and there are "
+                f"{len(houses)} houses"
+            )
         replayed(game, houses[game.index], f"{path}:{number}")
 
     for (targets, view, seconds), group in groupby(sorted(games, key=_kind), key=_kind):
@@ -79,7 +82,7 @@ def people_tables(
         oracle = scores["oracle"][0]
         reachable = oracle > 0
         if not reachable.any():
-            raise ResultsError(f"{path}: {sought}: no game has a target that can be reached")
+            raise ResultsError(f"{path}: {sought}: no game has a reachable target")
         ratios = {name: runs[:, reachable] / oracle[reachable] for name, runs in scores.items()}
         rows = []
         for name, runs in scores.items():

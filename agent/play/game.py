@@ -63,7 +63,7 @@ def replayed(played: PlayedGame, house: House, where: str) -> tuple[Game, list[S
     if (len(game.actions), game.score) != (len(played.actions), played.score):
         found = f"{numbered(game.score, 'target')} in {numbered(len(game.actions), 'step')}"
         said = f"{numbered(played.score, 'target')} in {numbered(len(played.actions), 'step')}"
-        raise ResultsError(f"{where}: says {said}, its actions give {found}")
+        raise ResultsError(f"{where}: records {said}, but its actions give {found}")
     return game, scenes
 
 
@@ -73,7 +73,7 @@ def agents_scenes(agent: Checkpoint, house: House, targets: str, seed: int) -> l
     Raises ``RequestError`` for an agent that drives, as its starts differ.
     """
     if agent.config.backend == "free":
-        raise RequestError(f"{agent.name} drives, and people play on a lattice of steps: take another agent")
+        raise RequestError(f"{agent.name} drives, and people play in grid steps: choose another agent")
     envs = make_envs([house], 1, targets, preset=sensor(agent.config))
     observation = reset(envs, seed)
     policy = policy_of(agent.network, agent.config, envs, seed)

@@ -78,7 +78,7 @@ def load(path: Path) -> list[PlayedGame]:
         except ValueError as error:
             raise ResultsError(f"{path}:{number}: no game: {error}") from None
     if not games:
-        raise ResultsError(f"{path}: holds no game. Play some: vitruvius play HOUSES --out {quoted(path)}")
+        raise ResultsError(f"{path}: holds no game. Play one: vitruvius play HOUSES --out {quoted(path)}")
     return games
 
 
@@ -88,7 +88,7 @@ def require_games(path: Path) -> None:
         if path.is_file() and path.stat().st_size:
             load(path)
     except ResultsError:
-        raise RequestError(f"--out {path}: holds something else than games: name another file") from None
+        raise RequestError(f"--out {path}: exists and does not hold games: choose another file") from None
 
 
 def append(path: Path, games: Iterable[PlayedGame]) -> None:
@@ -101,7 +101,9 @@ def require_house(game: PlayedGame, house: House, where: str) -> None:
     """Raise ``ResultsError`` if a game was played in another house."""
     found = geometry_hash(house)
     if game.house != found:
-        raise ResultsError(f"{where}: played in a house of hash {game.house[:12]}, not {found[:12]}")
+        raise ResultsError(
+            f"{where}: the game was played in the house with hash {game.house[:12]}, not {found[:12]}"
+        )
 
 
 def nobody() -> str:

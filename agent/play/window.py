@@ -236,7 +236,9 @@ class GameWindow:
         record.
         """
         if played.index >= len(houses):
-            raise ResultsError(f"{where}: played in house {played.index}, here are {len(houses)}")
+            raise ResultsError(
+                f"{where}: the game was played in house {played.index}, and there are {len(houses)} houses"
+            )
         game, scenes = replayed(played, houses[played.index], where)
         trace = PlayedEpisode(Panel(scenes[0].house, played.view, self._size(1)), played.player, scenes)
         self._open([trace.panel])
@@ -247,7 +249,7 @@ class GameWindow:
             now += self.tick()
             trace.go_on(int(now * speed))
             self._draw([trace.panel], [(trace.name, trace.scene)], f"step {trace.step}")
-        return self.show([f"{played.player}: {played.score}", "Enter: the next game   Esc: the end"])
+        return self.show([f"{played.player}: {played.score}", "Enter: next game   Esc: quit"])
 
     def show(self, lines: Sequence[str]) -> bool:
         """Show scores and, as the last line, the keys. Return True after Enter, False after Esc."""

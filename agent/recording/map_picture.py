@@ -33,7 +33,7 @@ KEY = (
     (VIEWPOINT, "next viewpoint"),
     (FOUND, "target"),
 )
-FORESEEN = {LIKELY: "a target is likely (red: how the house is)"}
+FORESEEN = {LIKELY: "a target is likely (red: the true house)"}
 """Labels that differ if a network predicts unseen ground."""
 
 ROW = 18

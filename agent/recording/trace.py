@@ -62,7 +62,7 @@ class Packed(msgspec.Struct, frozen=True):
         """Return the array. Raises ``ValueError`` if the data do not match its type and shape."""
         kind, count = np.dtype(self.type), int(np.prod(self.shape, dtype=object))
         if count > MAX_NUMBERS:
-            raise ValueError(f"an array of {count:,} numbers: {MAX_NUMBERS:,} are read at most")
+            raise ValueError(f"an array of {count:,} numbers: at most {MAX_NUMBERS:,} are read")
         most = count * kind.itemsize
         packed = zlib.decompressobj()
         try:
@@ -204,7 +204,7 @@ def load(path: Path) -> Trace:
         trace = from_json(content, Trace)
         _require_whole(trace)
     except (ValueError, RecursionError) as error:
-        raise TraceError(f"{path}: no trace: {error}. Write one by vitruvius record --out") from None
+        raise TraceError(f"{path}: not a trace: {error}. Write one: vitruvius record --out") from None
     return trace
 
 
@@ -213,7 +213,7 @@ def _require_version(content: bytes, path: Path) -> None:
     found = from_json(content)
     version = found.get("format") if isinstance(found, dict) else None
     if version != FORMAT and str(version).startswith("vitruvius-trace-"):
-        raise TraceError(f"{path}: a trace of version {version}: this is {FORMAT}. Record the episode again")
+        raise TraceError(f"{path}: a trace of version {version}, not {FORMAT}. Record the episode again")
 
 
 def _require_whole(trace: Trace) -> None:
@@ -237,10 +237,10 @@ def _require_whole(trace: Trace) -> None:
             raise ValueError(f"column {name} must be {kind} of shape {shape}")
         column.array()
     if int(trace.column("found").max(initial=0)) >= len(trace.targets):
-        raise ValueError("it has fewer targets than were picked up")
+        raise ValueError("it lists fewer targets than were picked up")
     if trace.map:
         for name in ("ground", "belief"):
             picture: Packed = getattr(trace.map, name)
             if picture.type != "uint8" or len(picture.shape) != 3 or picture.shape != trace.map.ground.shape:
-                raise ValueError(f"{name} must be uint8 of three axes, as large as ground")
+                raise ValueError(f"{name} must be uint8 with three axes, of the same size as ground")
             picture.array()

@@ -62,8 +62,8 @@ def require_report(folder: Path, replace: bool | None) -> None:
     """
     path = folder / NAME
     if not replace and path.is_file() and MADE_BY not in path.read_bytes():
-        ways = "give another folder" + (", or add --replace to lose it" if replace is not None else "")
-        raise RequestError(f"{path}: holds something else than a report: {ways}")
+        ways = "choose another folder" + (", or add --replace to overwrite it" if replace is not None else "")
+        raise RequestError(f"{path}: exists and is not a report: {ways}")
 
 
 def write_report(folder: Path, out: Path | None = None, studies: Sections = ()) -> Path:
@@ -86,11 +86,11 @@ def report(folder: Path, studies: Sections = ()) -> bytes:
     sections = list(_sections(folder, (*SECTIONS[:-1], *studies, SECTIONS[-1])))
     if not sections:
         kinds = "metrics.jsonl, evaluation.json, *.trace.json, house files"
-        raise ReportError(f"{folder}: is no run: nothing here can be reported ({kinds})")
+        raise ReportError(f"{folder}: is not a run: it holds none of the files of a report ({kinds})")
     about = _about(folder)
     if about.words:
         words = "\n".join(f"<p>{inline(each)}</p>" for each in about.words)
-        sections.append(Section("about", "What was done", words))
+        sections.append(Section("about", "About this run", words))
     return page(about.title, _lead(found(folder, ("evaluation.json",))), sections)
 
 
@@ -126,4 +126,4 @@ def _about(folder: Path) -> About:
     except OSError as error:
         raise ReportError(f"{path}: cannot be read: {error.strerror}") from None
     except ValueError as error:
-        raise ReportError(f"{path}: not what a run says of itself: {error}") from None
+        raise ReportError(f"{path}: not a description of a run: {error}") from None

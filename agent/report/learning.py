@@ -20,10 +20,10 @@ MAX_POINTS = 300
 """Largest number of points of a curve."""
 
 CURVES = (
-    ("targets", "Targets picked up, while exploring", "targets per 1500 steps", False),
+    ("targets", "Targets collected during training", "targets per 1500 steps", False),
     ("loss", "Loss", "mean loss", True),
     ("epsilon", "Random actions", "share of actions", False),
-    ("overruled", "Actions that the avoidance layer overruled", "share of actions", False),
+    ("overruled", "Actions changed by the action mask", "share of actions", False),
 )
 """Fields of ``Progress`` that are drawn: title and label, and True for a logarithmic axis."""
 
@@ -66,7 +66,7 @@ class TrainingRun:
         except OSError as error:
             raise ReportError(f"{here.config}: cannot be read: {error.strerror}") from None
         except ValueError as error:
-            raise ReportError(f"{here.config}: no configuration of a run: {error}") from None
+            raise ReportError(f"{here.config}: not the configuration of a run: {error}") from None
         history = []
         if here.metrics.exists():
             with opened(here.metrics, MAX_METRICS_BYTES, unpack=False) as file:
@@ -124,10 +124,12 @@ def section(files: Sequence[Path], folder: Path) -> Section | None:
         rows.append([run.name, preset, *cells, *speeds, run.state])
     headings = ("run", "agent", "steps", "seconds", "targets", "simulator", "learner", "map", "state")
     parts.append(
-        table("Runs: steps a second of the simulator, the learner and the map alone", headings, rows)
+        table(
+            "Runs: steps per second of the simulator, the learner and the map, each by itself", headings, rows
+        )
     )
     parts += [_config(run.name, run.config) for run in runs if run.config]
-    return Section("learning", "How they learnt", "\n".join(parts))
+    return Section("learning", "Learning curves", "\n".join(parts))
 
 
 def _name(run: Path, folder: Path) -> str:

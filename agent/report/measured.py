@@ -90,13 +90,18 @@ def _sentence(
         )
         said += ", where 1 means the shortest path in every episode"
     else:
-        said = f"{agent} picks up {value} {words} in an episode"
+        said = f"{agent} collects {value} {words} per episode"
     if figures.keys() & KNOWS.keys():
         rival = best(KNOWS)
         value = f"{figures[rival][key].value:.{digits}f}"
-        said += f"; the best baseline that knows no more, {rival}, {'has' if finds else 'picks up'} {value}"
+        said += (
+            f"; the best baseline with no more information, {rival}, "
+            f"{'reaches' if finds else 'collects'} {value}"
+        )
     if "oracle" in figures and not finds:  # Its SPL is 1.
-        said += f"; the oracle, which knows house and target, {figures['oracle'][key].value:.{digits}f}"
+        said += (
+            f"; the oracle, which knows the house and the target, {figures['oracle'][key].value:.{digits}f}"
+        )
     return said
 
 
@@ -117,7 +122,7 @@ def section(files: Sequence[Path], folder: Path) -> Section:
             _mode(name, in_words(name, named), mode, file.definitions) for name, mode in file.targets.items()
         ]
     parts += [f"<p>{inline(note)}</p>" for note in notes]
-    return Section("evaluation", "How well they do", "\n".join(parts))
+    return Section("evaluation", "Evaluation results", "\n".join(parts))
 
 
 def _mode(name: str, words: str, mode: ModeScores, definitions: dict[str, str]) -> str:
@@ -152,7 +157,7 @@ def _mode(name: str, words: str, mode: ModeScores, definitions: dict[str, str]) 
     meanings = "".join(
         f"<dt>{COLUMNS[key][0]}</dt><dd>{inline(definitions.get(key, ''))}</dd>" for key in columns
     )
-    return "\n".join([*parts, details("What each column means", f"<dl>{meanings}</dl>")])
+    return "\n".join([*parts, details("Column definitions", f"<dl>{meanings}</dl>")])
 
 
 def _by_rooms(mode: ModeScores, words: str, labels: dict[str, str], colours: dict[str, int]) -> str:

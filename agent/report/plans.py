@@ -59,7 +59,7 @@ def section(files: Sequence[Path], folder: Path) -> Section | None:
             plans.append(plan_of(file, index, houses[index]) | {"ratios": found})
     left_out = f" Of each file every {every}th house is shown." if every > 1 else ""
     words = f"<p>{numbered(whole, 'house')} in {numbered(len(banks), 'file')}.{left_out}</p>"
-    return Section("plans", "The houses", f'{words}<div class="plans"></div>\n{data("plans-data", plans)}')
+    return Section("plans", "Houses", f'{words}<div class="plans"></div>\n{data("plans-data", plans)}')
 
 
 def _ratios(file: scores.ScoreFile, bank: Sequence[House]) -> dict[str, list[float | None]]:

@@ -64,7 +64,7 @@ def load(path: str | Path) -> Checkpoint:
     path = located(path)
     if path.is_dir():
         hint = f": did you mean {run}?" if (run := path / "agent.safetensors").exists() else ""
-        raise CheckpointError(f"{path}: is a folder, and no agent{hint}")
+        raise CheckpointError(f"{path}: is a folder, not an agent{hint}")
     try:
         require_sizes(path)
         with safetensors.safe_open(path, framework="pt") as file:
@@ -87,13 +87,15 @@ def load(path: str | Path) -> Checkpoint:
         learnt_in = _keys(tensors.pop(LEARNT_IN, None))
         network.load_state_dict(tensors)
         if not all(value.isfinite().all() for value in network.state_dict().values()):
-            raise ValueError("some weights are no finite numbers")
+            raise ValueError("some weights are not finite numbers")
         provenance = {name: printable(record[name]) for name in ("name", "houses", "command")}
         steps = int(record["steps"])
         return Checkpoint(network.eval(), config, steps, **provenance, learnt_in=learnt_in)
     except (KeyError, TypeError, ValueError, RuntimeError) as error:
         reason = str(error).splitlines()[0]
-        raise CheckpointError(f"{path}: a checkpoint of another shape: {reason}. Train again") from None
+        raise CheckpointError(
+            f"{path}: the checkpoint does not fit this network: {reason}. Train again"
+        ) from None
 
 
 def _keys(tensor: torch.Tensor | None) -> frozenset[int]:
@@ -102,7 +104,7 @@ def _keys(tensor: torch.Tensor | None) -> frozenset[int]:
         return frozenset()
     if tensor.dtype != torch.int64 or tensor.ndim != 1 or len(tensor) > MAX_LEARNT_HOUSES:
         raise ValueError(
-            f"{LEARNT_IN} must be at most {MAX_LEARNT_HOUSES:,} numbers of 64 bits, one for each house"
+            f"{LEARNT_IN} must be at most {MAX_LEARNT_HOUSES:,} 64-bit numbers, one for each house"
         )
     return frozenset(tensor.tolist())
 

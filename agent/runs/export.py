@@ -69,7 +69,9 @@ def export(network: Any, path: str | Path) -> None:
     ``NoExporter`` if the packages ``onnx`` and ``onnxscript`` are missing.
     """
     if not hasattr(network, "memory"):
-        raise RequestError("only a Q-network over moves can be exported: this needs a planner's whole map")
+        raise RequestError(
+            "only a Q-network over moves can be exported: this network needs the planner's whole map"
+        )
     step = ExportedStep(network).eval()
     batch = torch.export.Dim("batch")
     try:

@@ -102,7 +102,7 @@ class Folder:
             is_own = path.is_dir() if path == self.tensorboard else path.is_file()
             if path.is_symlink() or (path.exists() and not is_own):
                 kind = "folder" if path == self.tensorboard else "file"
-                raise CheckpointError(f"{path}: is no {kind} of its own, so no run goes on here")
+                raise CheckpointError(f"{path}: is not a regular {kind}, so no run can be resumed here")
 
     @contextmanager
     def alone(self, resume: bool) -> Iterator[None]:
@@ -119,13 +119,14 @@ class Folder:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
                 raise RequestError(
-                    f"{self.path}: another run is at work here. Give this one another folder"
+                    f"{self.path}: another run is active in this folder: choose another --out folder"
                 ) from None
             if not resume and any(
                 path.exists() for path in (self.config, self.agent, self.metrics, self.state)
             ):
                 raise RequestError(
-                    f"{self.path}: holds a run already. Go on with it by --resume, or give another folder"
+                    f"{self.path}: already holds a run. Continue it with --resume, or choose another --out "
+                    "folder"
                 )
             yield
 
@@ -170,14 +171,16 @@ def _learner(houses: Sequence[House] | HouseRotation, config: TrainConfig) -> Le
     if isinstance(known, HouseSet | HouseStream):
         require_training_seeds(known)
     if isinstance(houses, HouseRotation) and config.reads_maps:
-        raise RequestError(f"{config.algorithm} learns in houses that stay: give a house file, not a set")
+        raise RequestError(
+            f"{config.algorithm} cannot train on rotating houses: give a house file, not a set"
+        )
     share, left = divmod(config.num_envs, ranks.size())
     if left:
         raise RequestError(f"num_envs must be a multiple of the {ranks.size()} ranks, not {config.num_envs}")
     if ranks.size() > 1 and not config.parallel:
-        raise RequestError(f"{config.algorithm} runs in one process alone")
+        raise RequestError(f"{config.algorithm} runs only in one process")
     if config.device == "cuda" and not torch.cuda.is_available():
-        raise RequestError("device cuda is not there: torch finds no GPU here. Leave out --device")
+        raise RequestError("device cuda is not available: torch finds no GPU here. Leave out --device")
     torch.set_num_threads(config.threads)
     keep_freed_memory()
     set_precision(config.precision, config.device)
@@ -225,7 +228,11 @@ def _learn(
                 if age == inf:
                     raise ends[0] if ends else Terminated
         except Diverged as error:
-            kept = f"{folder.agent} is the last good one" if folder.agent.exists() else "none was kept before"
+            kept = (
+                f"{folder.agent} is the last good checkpoint"
+                if folder.agent.exists()
+                else ("no checkpoint was saved before")
+            )
             raise Diverged(f"{error}: {kept}. Try a lower --learning-rate") from None
         finally:
             learner.envs.close()  # otherwise the process waits for houses in generation
@@ -261,7 +268,10 @@ def _resumed(learner: Learner, folder: Folder) -> list[Progress]:
         archive_of(content, most, MAX_TENSORS)  # torch unpacks compressed files of any size
         states = torch.load(io.BytesIO(content), weights_only=True)
         if len(states) != ranks.size():
-            raise RequestError(f"{folder.path}: a run of {len(states)} ranks, not of {ranks.size()}")
+            raise RequestError(
+                f"{folder.path}: the run has {len(states)} ranks, not {ranks.size()}: start "
+                f"it with {len(states)}"
+            )
         with warnings.catch_warnings(action="ignore"):  # torch's, of what is no state
             learner.restore(states[ranks.rank()])
     except VitruviusError:
@@ -279,7 +289,7 @@ def _resumed(learner: Learner, folder: Folder) -> list[Progress]:
                 history.append(now)
     if not history:
         raise CheckpointError(
-            f"{folder.metrics}: holds no report up to step {learner.steps:,}, at which the run was kept"
+            f"{folder.metrics}: lacks the reports up to step {learner.steps:,}, at which the run was saved"
         )
     return history
 

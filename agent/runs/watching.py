@@ -63,11 +63,13 @@ class Watching:
                 "name a house file with --held-out"
             )
         if config.device != "cpu":
-            raise RequestError("evaluate_every: evaluation in held-out houses needs device cpu")
+            raise RequestError("evaluate_every: evaluation on held-out houses needs device cpu")
         require_training(self.held_out, "held-out houses")
         for index, house in enumerate(self.held_out):
             if house_key(house) in learnt_in:
-                raise RequestError(f"held-out house {index}: the agent learns in this house: choose others")
+                raise RequestError(
+                    f"held-out house {index}: the agent is trained on this house: choose others"
+                )
 
 
 class RunWatcher:

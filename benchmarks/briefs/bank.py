@@ -62,5 +62,5 @@ def frozen() -> list[BriefEntry]:
     """Return the frozen bank. Raises ``HouseFileError`` if its file holds other briefs."""
     lines = gzip.decompress(FILE.read_bytes())
     if hashlib.sha256(lines).hexdigest() != HASH:
-        raise HouseFileError(f"{FILE}: not the frozen bank ({HASH[:12]}). Restore it from Git")
+        raise HouseFileError(f"{FILE}: not the held-out set ({HASH[:12]}). Restore it from Git")
     return [msgspec.json.decode(line, type=BriefEntry) for line in lines.splitlines()]

@@ -27,7 +27,7 @@ def timings(files: Sequence[Path], folder: Path) -> Section:
             parts.append(_study(json.loads(path.read_bytes())))
         except (ValueError, KeyError, TypeError) as error:
             raise ReportError(f"{path}: no report of a study: {type(error).__name__}: {error}") from None
-    return Section("scaling", "How time grows", "\n".join(parts))
+    return Section("scaling", "Growth of time", "\n".join(parts))
 
 
 def _study(report: dict[str, Any]) -> str:

@@ -118,6 +118,7 @@ def main(houses: Annotated[Path, tyro.conf.Positional]) -> None:
 
     Args:
         houses: File or set of houses.
+
     """
     found, total = Counter[str](), Counter[str]()
     for each in load(houses):

@@ -148,8 +148,9 @@ class Speed:
 
 
 def row(case: SpeedRow, found: dict[SpeedRow, list[dict[str, Any]]]) -> list[str]:
-    """Return a row of the table: environments of each process, processor time of a step. The rate is compared
-    with that of one process within each round.
+    """Return a row of the table: environments of each process, processor time of a step.
+
+    The rate is compared with that of one process within each round.
     """
     rounds, one = found[case], replace(case, processes=1)
     rates = [each["steps"] / each["seconds"] for each in rounds]

@@ -24,8 +24,10 @@ def write_trails(device: str, file: str) -> None:
 
 
 def trail(device: str, preset: str) -> dict[str, np.ndarray]:
-    """Return the outcomes of ``TRAILED`` environments in ``TRAIL`` steps with random actions: ``events``
-    (T, E, 5) reward, ends, bump and house, ``places`` (T, E, 5) pose and target, ``seen`` (T, E, R, C).
+    """Return the outcomes of ``TRAILED`` environments in ``TRAIL`` steps with random actions.
+
+    ``events`` (T, E, 5): reward, ends, bump and house; ``places`` (T, E, 5): pose and target; ``seen``
+    (T, E, R, C).
     """
     backend = "free" if preset == "drive" else "continuous"
     envs = HouseVectorEnv(num_envs=TRAILED, preset=preset, targets="mixed", backend=backend, device=device)

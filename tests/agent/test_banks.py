@@ -85,7 +85,7 @@ def test_the_seeds_set_apart_are_apart():
 def test_another_bank_in_its_place_is_refused(bank, tmp_path, monkeypatch):
     save(bank[:2], tmp_path / "test-v1.jsonl.gz")
     monkeypatch.setattr(banks, "benchmark_path", lambda name: tmp_path / f"{name}.jsonl.gz")
-    with pytest.raises(HouseFileError, match="not the frozen bank"):
+    with pytest.raises(HouseFileError, match="not the held-out set"):
         benchmark()
 
 
@@ -97,16 +97,16 @@ def test_houses_of_the_test_seeds_or_of_a_test_houses_shape_are_not_learnt_from(
     home = msgspec.structs.replace(frozen["home-test-v1"][7], provenance=None)
     innocent = House.of_star(Star(Rect(0, 0, 5, 5)))
     require_training([innocent], "mine.jsonl")
-    with pytest.raises(HouseFileError, match=r"mine.jsonl: house 1: its seed 2000000000 is kept"):
+    with pytest.raises(HouseFileError, match=r"mine.jsonl: house 1: its seed 2000000000 is reserved"):
         require_training([innocent, seeded], "mine.jsonl")
     for house, where in ((nameless, "test-v1"), (home, "home-test-v1")):
-        with pytest.raises(HouseFileError, match=rf"mine.jsonl: house 1: it is in the bank {where}, kept"):
+        with pytest.raises(HouseFileError, match=rf"mine.jsonl: house 1: it is in the held-out set {where}"):
             require_training([innocent, house], "mine.jsonl")
 
 
 def test_training_in_the_benchmark_bank_is_refused_before_anything_is_written(bank, tmp_path):
     save(bank[:2], tmp_path / "mine.jsonl")
-    with pytest.raises(HouseFileError, match="kept for measuring"):
+    with pytest.raises(HouseFileError, match="reserved for evaluation"):
         Train(tmp_path / "mine.jsonl", out=tmp_path / "out", learning=PQNConfig(steps=1)).run()
     assert not (tmp_path / "out").exists()
 

@@ -138,7 +138,7 @@ def test_a_page_names_a_task_and_a_bank_of_a_file_and_imports_and_opens_nothing(
 def test_a_class_that_the_command_line_allows_is_imported(canary, tmp_path) -> None:
     (tmp_path / "train.toml").write_text(f"targets = {json.dumps(TASKS[2])}\n")
     command = parse(["train", "--config", str(tmp_path / "train.toml"), "--allow", "canary:Terms"])
-    with pytest.raises(RequestError, match="is no class of"):
+    with pytest.raises(RequestError, match="is not a subclass of"):
         command.run()
     assert canary.exists()
 

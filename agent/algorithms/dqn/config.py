@@ -47,7 +47,7 @@ class DQNConfig(QLearningConfig):
                 f"buffer_size must hold n_step + 1 steps of each environment, not {self.buffer_size}"
             )
         if self.device != "cpu":
-            raise RequestError("deep Q-learning from a replay buffer runs on device cpu alone")
+            raise RequestError("deep Q-learning from a replay buffer runs only on device cpu")
 
     @classmethod
     def presets(cls) -> "dict[str, TrainConfig]":

@@ -51,11 +51,11 @@ class CompletionConfig(TrainConfig):
     def __post_init__(self) -> None:
         super().__post_init__()
         if not 2 <= len(self.channels) <= 5 or min(self.channels) < 1:
-            raise RequestError(f"channels are of 2 to 5 levels, 1 or more each, not {self.channels}")
+            raise RequestError(f"channels has 2 to 5 levels, each 1 or more, not {self.channels}")
         if len(self.kinds) > MAX_GROUND_TYPES:
-            raise RequestError(f"kinds are {MAX_GROUND_TYPES} at most, not {len(self.kinds)}")
+            raise RequestError(f"kinds has at most {MAX_GROUND_TYPES} names, not {len(self.kinds)}")
         if self.device != "cpu":
-            raise RequestError("map completion runs on device cpu alone: that is where maps are kept")
+            raise RequestError("map completion runs only on device cpu, which holds the maps")
 
     @classmethod
     def presets(cls) -> "dict[str, TrainConfig]":

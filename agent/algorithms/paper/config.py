@@ -78,7 +78,7 @@ class PaperConfig(TrainConfig):
         if self.num_minibatches > self.batch_size:
             raise RequestError(f"num_minibatches must not exceed batch_size, not {self.num_minibatches}")
         if self.device != "cpu":
-            raise RequestError("deep Q-learning from a replay buffer runs on device cpu alone")
+            raise RequestError("deep Q-learning from a replay buffer runs only on device cpu")
 
     @classmethod
     def presets(cls) -> "dict[str, TrainConfig]":

@@ -67,9 +67,9 @@ class SearchConfig(TrainConfig):
     def __post_init__(self) -> None:
         super().__post_init__()
         if not 2 <= len(self.channels) <= 4 or min(self.channels) < 1:
-            raise RequestError(f"channels are of 2 to 4 levels, 1 or more each, not {self.channels}")
+            raise RequestError(f"channels has 2 to 4 levels, each 1 or more, not {self.channels}")
         if self.device != "cpu":
-            raise RequestError("search runs on device cpu alone: that is where maps are kept")
+            raise RequestError("search runs only on device cpu, which holds the maps")
 
     @classmethod
     def presets(cls) -> "dict[str, TrainConfig]":

@@ -63,11 +63,11 @@ class LearnedSearch(MapLearner):
         Raises ``RequestError`` for closed doors, and for a body other than the default one.
         """
         if envs.config.closed_doors:
-            raise RequestError("search learns from looks through doorways: leave out --sim closed_doors")
+            raise RequestError("search needs open doorways: leave out --sim closed_doors")
         if (max(envs.config.body), envs.config.step) != (max(DEFAULT.body), DEFAULT.step):
             raise RequestError(
-                "search learns on maps of the default body alone, "
-                f"{max(DEFAULT.body):.3f} m wide, with steps of {DEFAULT.step:.3f} m"
+                f"search is trained only on maps of the default robot, {max(DEFAULT.body):.3f} m wide, with "
+                f"steps of {DEFAULT.step:.3f} m"
             )
         super().__init__(config, envs)
         self.reader = self.chooser.reader_of(self.tracker.planner)

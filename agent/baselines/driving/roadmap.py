@@ -114,12 +114,12 @@ class Roadmap:
         if counts.max() > MAX_CORNERS:
             house = int(counts.argmax())
             raise ValueError(
-                f"house {house} of {len(counts)} has {counts[house]:,} corners that paths may turn at: "
-                f"{MAX_CORNERS:,} at most"
+                f"house {house} of {len(counts)} has {counts[house]:,} corners at which paths can turn: at "
+                f"most {MAX_CORNERS:,} are supported"
             )
         squares = np.cumsum([0, *counts**2])
         if squares[-1] >= 1 << 31:
-            raise ValueError(f"{len(counts)} houses have too many corners for one graph: take fewer at once")
+            raise ValueError(f"{len(counts)} houses have too many corners for one graph: pass fewer at once")
         firsts = np.concatenate([np.cumsum([0, *counts]), squares[:-1]])
         self.most = int(counts.max())
         self.inside = wide - 2 * SKIN

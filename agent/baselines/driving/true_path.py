@@ -48,7 +48,7 @@ class TruePath:
         self.world: World = envs.unwrapped.world
         config, count = self.world.config, self.world.num_envs
         if not config.drives:
-            raise ValueError("a true path is driven: take the backend free, or an oracle")
+            raise ValueError("the true path needs a driving robot: use the backend free, or the oracle")
         config.drive.require_heading("a true path")
         radius = config.body[0] / 2
         roads = Roadmap(self.world, radius + CLEARANCE_M)

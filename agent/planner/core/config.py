@@ -188,11 +188,13 @@ class PlannerConfig:
         if self.viewpoint_pitch < 4 or self.viewpoint_pitch & (self.viewpoint_pitch - 1):
             raise ValueError(f"viewpoint_pitch must be a power of two, 4 or more, not {self.viewpoint_pitch}")
         if max(self.near, self.odds_range) > 14:
-            raise ValueError("near and odds_range must be 14 at most: only tiles side by side become dirty")
+            raise ValueError("near and odds_range must be at most 14: only adjacent tiles are updated")
         if len(self.floor_odds) != 17 or not all(0 <= each <= CERTAIN for each in self.floor_odds):
             raise ValueError(f"floor_odds needs 17 whole numbers, 0 to {CERTAIN}, not {self.floor_odds}")
         if not 0 < self.view_stride <= self.view_range <= 127:
-            raise ValueError("view_stride must be at least 1, view_range at least that and at most 127")
+            raise ValueError(
+                "view_stride must be at least 1; view_range must be at least view_stride and at most 127"
+            )
         if not 0 <= self.view_least < 1:
             raise ValueError(f"view_least must be a probability below 1, not {self.view_least}")
         if min(self.sweep_interval, self.sweep_interval_known) < 2:

@@ -46,9 +46,9 @@ def require_rays(world: Config) -> None:
     for wrong, words in (
         (spacing > MAX_SPACING_DEG, f"rays at most {MAX_SPACING_DEG:g} degrees apart, not {spacing:g}"),
         (not first >= half >= -half >= last, f"rays from {half:g} degrees left to {half:g} right at least"),
-        (first - last > 360, "rays around once at most"),
-        (world.latency, f"rays of now, not of {world.latency} steps ago"),
-        (world.angle_noise, "rays whose directions have no error (angle_noise)"),
+        (first - last > 360, "at most one full turn of rays"),
+        (world.latency, f"current rays, not those of {world.latency} steps ago"),
+        (world.angle_noise, "rays without angle_noise"),
     ):
         if wrong:
             raise ValueError(f"a planner that drives needs {words}")

@@ -2,14 +2,14 @@
 
 const LAYERS = [
   ["house", "House", "which the agent never sees"],
-  ["target", "Target", "where it really is"],
-  ["path", "Path", "the way it came"],
+  ["target", "Target", "its true place"],
+  ["path", "Path", "the robot's path so far"],
   ["rays", "Rays", "orange ones end on the target"],
-  ["map", "Map", "what its planner knows"],
-  ["belief", "Belief", "where it may be, by the planner"],
+  ["map", "Map", "the planner's map"],
+  ["belief", "Belief", "the planner's probability of the target's place"],
   ["goal", "Goal", "next viewpoint, or believed target"],
   ["values", "Q-values", "of the actions, below"],
-  ["vetoes", "Vetoes", "what the avoidance layer forbade"],
+  ["vetoes", "Vetoes", "actions that the safety shield forbade"],
 ];
 
 class Episode extends EpisodePicture {
@@ -246,11 +246,11 @@ class Episode extends EpisodePicture {
     const { actions } = this.trace;
     if (over) words.push("The episode is over.");
     else if (this.layers.vetoes.checked && this.wanted[t] !== this.action[t]) {
-      words.push(`Veto: it preferred “${actions[this.wanted[t]]}”, the avoidance layer left “${actions[this.action[t]]}”.`);
+      words.push(`Veto: the agent preferred “${actions[this.wanted[t]]}”, the safety shield chose “${actions[this.action[t]]}”.`);
     }
-    if (!over && this.blocked[t]) words.push("The move is blocked: it stays where it is.");
-    if (!over && this.goal_kind?.[t] === 2) words.push("It has seen the target and goes to where it believes it to be.");
-    if (!over && this.goal_kind?.[t] === SOUGHT) words.push("It goes to a viewpoint, to look for the target.");
+    if (!over && this.blocked[t]) words.push("The move is blocked: the robot does not move.");
+    if (!over && this.goal_kind?.[t] === 2) words.push("The robot has seen the target and goes to its estimated place.");
+    if (!over && this.goal_kind?.[t] === SOUGHT) words.push("The robot goes to a viewpoint, to look for the target.");
     this.article.querySelector(".choice .words").textContent = words.join(" ");
   }
 }

@@ -41,8 +41,8 @@ def located(path: str | Path) -> Path:
     if name in PRESETS:
         out = f"runs/{name}"
         raise CheckpointError(
-            f"{name}: is a preset of train, and no agent. Train one: "
-            f"vitruvius train --preset {name} --out {out}; then it is {out}/agent.safetensors"
+            f"{name}: is a preset of train, not an agent. Train one: vitruvius train --preset {name} --out "
+            f"{out}; then it is {out}/agent.safetensors"
         )
     if Path(path).suffix or "/" in name:
         raise CheckpointError(f"{path}: there is no such file. Make one with: vitruvius train")
@@ -55,5 +55,5 @@ def require_sizes(path: Path) -> None:
         header = int.from_bytes(file.read(8), "little")
     if MAX_HEADER_BYTES < header < path.stat().st_size:
         raise CheckpointError(
-            f"{path}: its header has more than {MAX_HEADER_BYTES >> 20} MiB: no checkpoint's has"
+            f"{path}: not a checkpoint: its header has more than {MAX_HEADER_BYTES >> 20} MiB"
         )

@@ -106,7 +106,7 @@ def test_no_prior_rules_out_where_the_target_is(prior):
 
 @pytest.mark.parametrize(
     ("targets", "prior", "message"),
-    [("main", "finds", "has no regions"), (HALL, "floor", "targets lie at given places")],
+    [("main", "finds", "has no regions; the task"), (HALL, "floor", "places its targets at given points")],
 )
 def test_a_prior_that_the_task_does_not_allow_is_refused(targets, prior, message):
     house = sample_houses.drawn("aaaa\naaaa\naaaa\na+aa\n....\n....")

@@ -118,7 +118,9 @@ def test_another_evaluation_is_not_lost_in_silence(tmp_path, measured, monkeypat
     kept = (tmp_path / "out" / "evaluation.json").read_bytes()
     more: dict[str, Any]
     for more in ({"seed": 5}, {"episodes": 2}, {"targets": ("main",)}):
-        with pytest.raises(RequestError, match="holds another evaluation: name another folder, or add --rep"):
+        with pytest.raises(
+            RequestError, match="holds another evaluation: choose another folder, or add --rep"
+        ):
             Evaluate((agent,), tmp_path / "houses.jsonl", **(how | more)).run()
     assert (tmp_path / "out" / "evaluation.json").read_bytes() == kept
     assert Evaluate((agent,), tmp_path / "houses.jsonl", **how, seed=5, replace=True).run() == 0
@@ -160,7 +162,7 @@ def test_in_the_papers_world_all_have_its_body_and_each_its_own_rays():
 
 def test_the_papers_tasks_are_refused_in_another_house(tmp_path):
     save(HOUSES[:1], tmp_path / "houses.jsonl")
-    with pytest.raises(RequestError, match="paper-main: its targets have places in the house paper-house"):
+    with pytest.raises(RequestError, match="paper-main: its targets are points of the house"):
         Evaluate(houses=tmp_path / "houses.jsonl", targets=("paper-main",)).run()
 
 
@@ -173,7 +175,7 @@ def test_checkpoints_that_differ_in_the_training_seed_alone_are_runs_of_one_agen
 
 def test_a_third_config_of_the_same_name_and_folder_is_refused(tmp_path):
     paths = [written(tmp_path / str(k), PQNConfig(steps=7, num_envs=8 + k)) for k in range(3)]
-    with pytest.raises(RequestError, match=r"another config than pqn \(0-7\)'s, by the same name"):
+    with pytest.raises(RequestError, match=r"of the same agent: give runs of one config"):
         by_name(paths)
 
 

@@ -70,14 +70,14 @@ def agent_run(file) -> dict:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda file: file["bank"].update(hash="0" * 64), "houses of hash 000000000000, here it is"),
-        (lambda file: file.update(seed=1), "seed 1, here it is 0: not comparable"),
-        (lambda file: file.update(backend="grid"), "backend grid, here it is continuous"),
-        (lambda file: file.update(world="paper"), "world paper, here it is default"),
-        (lambda file: file.update(episodes=2), "episodes 2, here it is 1"),
-        (lambda file: file["targets"].update(mixed=file["targets"].pop("main")), "in mixed, here in main"),
+        (lambda file: file["bank"].update(hash="0" * 64), "evaluated with houses of hash 000000000000, not"),
+        (lambda file: file.update(seed=1), "0: the scores are not comparable"),
+        (lambda file: file.update(backend="grid"), "backend grid, not continuous"),
+        (lambda file: file.update(world="paper"), "world paper, not default"),
+        (lambda file: file.update(episodes=2), "episodes 2, not 1"),
+        (lambda file: file["targets"].update(mixed=file["targets"].pop("main")), "are mixed, not main"),
         (lambda file: file.pop("targets"), "missing required field `targets`"),
-        (lambda file: agent_run(file).update(rooms=[1]), "agent has not one value for each of 2 episodes"),
+        (lambda file: agent_run(file).update(rooms=[1]), "agent needs one value for each of 2 episodes"),
         (lambda file: agent_run(file).update(first=["soon", 1]), "Expected `int | null`, got `str`"),
     ],
 )

@@ -26,8 +26,10 @@ BEFORE, SINCE, AFTER = 10, 280, 290
 
 
 def small_map(random: np.random.Generator, solid: float, unit: int) -> SimpleNamespace:
-    """Return a memory that holds such a map, seen of late: of its squares, ``unit`` nodes wide, a share is
-    ``solid``. The start lies outside, in a room of one body.
+    """Return a memory that holds such a map, seen of late.
+
+    A share ``solid`` of its squares, ``unit`` nodes wide, is occupied. The start lies outside, in a room of
+    one body.
     """
     x, y = 2 * random.integers(10, SIDE // 2 - 10 - ACROSS, 2)
     seen_at, near = np.full((SIDE, SIDE), AFTER), np.ones((SIDE, SIDE), bool)
@@ -41,12 +43,12 @@ def small_map(random: np.random.Generator, solid: float, unit: int) -> SimpleNam
 
 
 def about(x: int, y: int) -> set[Place]:
-    """The nodes within half a cell of a pose in half cells."""
+    """Return the nodes within half a cell of a pose in half cells."""
     return {((x + i) // 2, (y + j) // 2) for i, j in product((0, 1), repeat=2)}
 
 
 def neighbours(node: Place, nodes: set[Place]) -> Iterator[tuple[int, Place]]:
-    """The headings of steps to free nodes, and these nodes: a diagonal one passes two free corners."""
+    """Yield the headings of steps to free nodes, and these nodes: a diagonal step passes two free corners."""
     x, y = node
     for heading, (dx, dy) in enumerate(HEADINGS):
         if {(x + dx, y + dy), (x + dx, y), (x, y + dy)} <= nodes:
@@ -54,7 +56,7 @@ def neighbours(node: Place, nodes: set[Place]) -> Iterator[tuple[int, Place]]:
 
 
 def distances(sources: Iterable[Any], beside: Callable[[Any], Iterable[Any]]) -> dict[Any, int]:
-    """The steps to all that can be reached, breadth-first."""
+    """Return the steps to all reachable places, breadth-first."""
     found = dict.fromkeys(sources, 0)
     queue = deque(found)
     while queue:
@@ -67,7 +69,7 @@ def distances(sources: Iterable[Any], beside: Callable[[Any], Iterable[Any]]) ->
 
 
 def fewest_actions(start: tuple[Place, int], ends: set[Place], nodes: set[Place]) -> int:
-    """Steps and turns of a body to one of some nodes, two steps from node to node: by Dijkstra's search."""
+    """Return the fewest steps and turns to one of some nodes, two steps an edge, by Dijkstra's search."""
     queue, done = [(0, start)], set()
     while queue:
         cost, (node, heading) = heapq.heappop(queue)
@@ -81,7 +83,7 @@ def fewest_actions(start: tuple[Place, int], ends: set[Place], nodes: set[Place]
 
 
 def turns(one: int, other: int) -> int:
-    """Turns of 45 degrees from one heading to another."""
+    """Return the turns of 45 degrees from one heading to another."""
     return min((one - other) % 8, (other - one) % 8)
 
 
@@ -102,7 +104,7 @@ def hides(memory: Any, x: int, y: int) -> bool:
 
 
 def levels(memory: Any) -> dict[Place, int]:
-    """Steps to each free block from the body's node: to the east or west, and then to the north or south."""
+    """Return the steps to each free block from the body's node: first east or west, then north or south."""
     free = {(x // 2, y // 2) for x, y in memory.nodes}
 
     def beside(block: Place) -> Iterator[Place]:
@@ -127,8 +129,9 @@ def candidates(memory: Any, level: dict[Place, int]) -> dict[Place, int]:
 
 
 def looks(memory: Any, x: int, y: int, octant: int) -> Iterator[tuple[Place, int, float]]:
-    """The blocks in sight at an octant, by 5 rays, every other cell: for each how far along it is, and how
-    likely sight reaches it.
+    """Yield the blocks in sight at an octant, by 5 rays, every other cell.
+
+    With each block come its distance along the ray and the probability that sight reaches it.
     """
 
     def passes(i: int, j: int) -> float:

@@ -16,7 +16,7 @@ HOUSE = sample_houses.drawn("aaa\naaa\na+a\n...\n...\n...", cell=0.9)
 
 
 def test_the_shield_lets_a_body_walk_at_a_door_and_not_at_a_wall():
-    """This holds after a collision, too: the layer then forbids the step until the door opens."""
+    """After a collision, too, the layer forbids the step until the door opens."""
     envs = make_envs([HOUSE], 2, "all", preset=DOORS)
     pose = np.array([[1.35, 2.7 + 0.16, np.pi / 2], [0.45, 2.7 + 0.16, np.pi / 2]])
     seen, _ = envs.reset(seed=0, options={"house": [0, 0], "pose": pose, "target": [[0.4, 0.4]] * 2})

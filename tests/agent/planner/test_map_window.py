@@ -132,8 +132,14 @@ def test_other_libraries_wrap_it_and_learn_from_it():
 @pytest.mark.parametrize(
     ("wrong", "words"),
     [
-        ({"preset": replace(DEFAULT, flat=True)}, "a map is made of rays, a part of their own: observe them"),
-        ({"preset": replace(DEFAULT, observe=("bump",))}, "a map is made of rays, a part of their own"),
+        (
+            {"preset": replace(DEFAULT, flat=True)},
+            "a map is built from rays: add rays to observe, and leave out flat",
+        ),
+        (
+            {"preset": replace(DEFAULT, observe=("bump",))},
+            "a map is built from rays: add rays to observe, and leave",
+        ),
         ({"side": 33}, "a window is an even number of cells wide, 2 to 256, not 33"),
         ({"side": 258}, "a window is an even number of cells wide, 2 to 256, not 258"),
     ],
@@ -143,5 +149,5 @@ def test_what_has_no_map_is_refused_in_a_line(wrong, words):
     with pytest.raises(ValueError, match=re.escape(words)) as error:
         MapWindow(HouseVectorEnv(HOUSES, 2, **wrong), side)
     assert "\n" not in str(error.value)
-    with pytest.raises(ValueError, match="a map is kept in a HouseVectorEnv, not in a SyncVectorEnv"):
+    with pytest.raises(ValueError, match="a map needs a HouseVectorEnv, not a SyncVectorEnv"):
         MapWindow(gymnasium.make_vec("CartPole-v1", num_envs=1, vectorization_mode="sync"))

@@ -52,14 +52,16 @@ def ends(walk: Walk, step: Step) -> np.ndarray:
 
 
 def cells(places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The rows and columns of the cells that places (n, 2) lie in."""
+    """Return the rows and columns of the cells that places (n, 2) lie in."""
     column, row = np.floor(places).astype(int).T % SIDE
     return row, column
 
 
 def test_floor_that_rays_pass_is_seen_and_none_beyond_their_ends(walk: Walk) -> None:
-    """Cells that a ray crosses in their midst, up to a cell before its end, but for one in a thousand; and of
-    what is seen now no cell lies further away than the two nearest rays reach, but for a cell.
+    """Rays see the cells that they cross in their middle, up to a cell before their end.
+
+    One cell in a thousand may be missing. Among cells that are seen now, none lies more than a cell beyond
+    the ends of the two nearest rays.
     """
     passed, missed = 0, 0
     for step in walk:
@@ -85,8 +87,9 @@ def test_floor_that_rays_pass_is_seen_and_none_beyond_their_ends(walk: Walk) -> 
 
 
 def test_walls_are_occupied_where_rays_end_and_where_two_ends_join(walk: Walk) -> None:
-    """Each cell that rays end in, as they are swept; and no cell but those within a centimetre of an end or
-    of the line between two ends beside each other.
+    """Each cell in which swept rays end is occupied.
+
+    No other cell is, except within a centimetre of an end or of the line between two adjacent ends.
     """
     checked = 0
     for step in walk:

@@ -107,8 +107,10 @@ def test_a_body_that_stands_at_a_known_target_without_touching_it_searches_again
 
 
 def test_a_viewpoint_stays_the_goal_until_it_is_reached_or_something_has_happened(walk: Walk) -> None:
-    """It is closed or out of reach, its candidate is seen, a target is known or picked up, or 32 steps have
-    gone by.
+    """Events that end a goal.
+
+    The viewpoint is closed or out of reach, its candidate is seen, a target is known or picked up, or 32
+    steps have passed.
     """
     kept, dropped = 0, 0
     for _, _, _, _, before, after in walk:

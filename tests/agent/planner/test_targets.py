@@ -15,8 +15,10 @@ from vitruvius.agent.planner.core.config import TUNED
 
 
 def test_a_known_target_lies_where_it_truly_does(walk: Walk) -> None:
-    """It is known as soon as rays meet it; where it is mostly in sight, to a few centimetres. Hardly one is
-    still known that was picked up, and nearly all pick-ups are counted.
+    """A target is known as soon as rays hit it.
+
+    If most of it is in sight, its place is known to a few centimetres. Hardly any target is still known after
+    its pick-up, and nearly all pick-ups are counted.
     """
     off, kept, last = [], [], {}
     for number, (e, observation, _, _, before, after) in enumerate(walk):

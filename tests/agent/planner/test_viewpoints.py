@@ -13,8 +13,9 @@ from vitruvius.sim import DEFAULT
 
 
 def hiding(random: np.random.Generator, places: int) -> tuple[list[Any], list[tuple[int, int, int]]]:
-    """Small maps of blocks with some places where a target may lie, and a pose in each, from where one can
-    go on.
+    """Return small maps of blocks with possible places of targets, and a pose in each.
+
+    From the pose some other block can be reached.
     """
     memories, poses = [], []
     while len(memories) < E:
@@ -98,7 +99,7 @@ def test_by_a_prior_a_viewpoint_shows_most_of_what_is_likely_to_be_seen() -> Non
 
 
 def poses_in(memories: list[Any], random: np.random.Generator) -> list[tuple[int, int, int]]:
-    """A pose of each memory's body at a node to which its last path leads."""
+    """Return a pose of each memory's body at a node to which its last path leads."""
     nodes = [2 * random.choice(np.argwhere(memory.distance >= 0)) for memory in memories]
     return [(int(x), int(y), int(random.integers(8))) for y, x in nodes]
 

@@ -167,9 +167,11 @@ def test_a_game_is_the_episode_that_an_evaluation_plays_and_comes_out_again() ->
     assert again.score == game.score
     assert len(scenes) == len(game.actions) + 1
     assert (scenes[-1].pose == game.scene.pose).all()
-    with pytest.raises(ResultsError, match=r"games.jsonl:1: says 99 targets in 260 steps, its actions give"):
+    with pytest.raises(
+        ResultsError, match=r"games.jsonl:1: records 99 targets in 260 steps, but its actions give"
+    ):
         replayed(played(game, 2, score=99), HOUSES[2], "games.jsonl:1")
-    with pytest.raises(ResultsError, match="played in a house of hash"):
+    with pytest.raises(ResultsError, match=": the game was played in the house"):
         replayed(played(game, 2), HOUSES[1], "games.jsonl:1")
 
 
@@ -208,7 +210,7 @@ def test_people_stand_beside_agents_in_the_same_episodes(tmp_path: Path) -> None
     assert rows["people"][2] == ""
     mean = sum(sorted(game.score for game in games)[1:2])
     assert float(rows["people"][0].split()[0]) == pytest.approx(mean, abs=0.05)
-    with pytest.raises(ResultsError, match="played in house 1, here are 1"):
+    with pytest.raises(ResultsError, match="played in house 1, and there are 1"):
         list(people_tables(tmp_path / "games.jsonl", HOUSES[:1], {}))
 
 
@@ -307,7 +309,7 @@ def test_a_name_and_its_score_are_whole_above_a_plan_and_on_the_card_of_results(
     window.surface = pygame.display.set_mode((MIN_WIDTH, 400))
     window.surface.fill((0, 0, 0))
     press(window, {}, ended=0)
-    window.show(["you: 12", f"{name}: 14", "Enter or Esc: the end"])
+    window.show(["you: 12", f"{name}: 14", "Enter or Esc: quit"])
     black = pygame.mask.from_threshold(window.surface, (0, 0, 0), (1, 1, 1, 255))
     black.invert()
     card = black.get_bounding_rects()[0]

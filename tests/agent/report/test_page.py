@@ -210,7 +210,7 @@ def test_values_and_vetoes_are_said_for_each_step(opened: Page, vetoed) -> None:
     words = episode.locator(".choice .words")
     names = vetoed.actions
     expect(words).to_contain_text(
-        f"Veto: it preferred “{names[wanted[step]]}”, the avoidance layer left “{names[action[step]]}”."
+        f"Veto: the agent preferred “{names[wanted[step]]}”, the safety shield chose “{names[action[step]]}”."
     )
     cells = episode.locator(".choice tbody td:nth-child(2)")
     expect(cells).to_have_text([f"{value:.3f}" for value in values])
@@ -329,7 +329,7 @@ def test_on_a_telephone_plots_keys_and_captions_are_whole_and_keys_name_what_is_
 def test_the_first_screen_is_an_episode_that_can_be_played_under_one_sentence(opened: Page) -> None:
     lead = opened.locator("header p:visible")
     expect(lead).to_have_count(1)
-    expect(lead).to_contain_text("agent picks up 6.5 targets in secondary rooms in an episode")
+    expect(lead).to_contain_text("agent collects 6.5 targets in secondary rooms per episode")
     for width, height in ((1280, 800), (390, 844)):
         opened.set_viewport_size({"width": width, "height": height})
         play = opened.locator(".episode").first.get_by_role("button", name="Play")

@@ -183,18 +183,18 @@ def _other(name: str, content: str = "[]"):
 @pytest.mark.parametrize(
     ("make", "error", "says"),
     [
-        (_no_run, ReportError, r"is no run: nothing here can be reported"),
+        (_no_run, ReportError, r": is not a run: it holds none of the"),
         (lambda folder: folder / "absent", ReportError, r"absent: there is no such folder"),
         (_file, ReportError, r"x: is a file. Name the folder of a run"),
-        (_newer_trace, TraceError, r"x.trace.json: a trace of version vitruvius-trace-9: this is"),
+        (_newer_trace, TraceError, r"x.trace.json: a trace of version vitruvius-trace-9, not"),
         (_torn_houses, HouseFileError, r"houses.jsonl:2: not a house"),
         (_other("generator.json"), ReportError, r"generator.json: no report of a study"),
         (_other("homes.json", "{}"), ReportError, r"homes.json: no times of homes"),
-        (_other("config.json", "{"), ReportError, r"config.json: no configuration of a run"),
-        (_other("config.json", "[1]"), ReportError, r"config.json: no configuration of a run"),
-        (_other("metrics.jsonl", "{}"), ReportError, r"is no run"),
-        (_other("config.json", '{"name": "another program"}'), ReportError, r"is no run"),
-        (_other("evaluation.json", "{}"), Exception, r"evaluation.json: no scores"),
+        (_other("config.json", "{"), ReportError, "not the configuration of a run"),
+        (_other("config.json", "[1]"), ReportError, "not the configuration of a run"),
+        (_other("metrics.jsonl", "{}"), ReportError, "is not a run"),
+        (_other("config.json", '{"name": "another program"}'), ReportError, "is not a run"),
+        (_other("evaluation.json", "{}"), Exception, r"evaluation.json: not scores"),
     ],
 )
 def test_what_cannot_be_reported_is_said_in_one_line(tmp_path, make, error, says) -> None:
@@ -218,8 +218,8 @@ def test_of_scores_in_a_bank_of_the_benchmark_its_houses_are_shown(tmp_path, mon
 def test_the_first_sentence_says_how_well_the_best_agent_did(tmp_path) -> None:
     measured(tmp_path)
     said = (
-        "In 2 houses, agent picks up 6.5 targets in secondary rooms in an episode; the best baseline that "
-        "knows no more, explorer, picks up 8.0; the oracle, which knows house and target, 15.0."
+        "In 2 houses, agent collects 6.5 targets in secondary rooms per episode; the best baseline with no "
+        "more information, explorer, collects 8.0; the oracle, which knows the house and the target, 15.0."
     )
     assert said in report(tmp_path, SECTIONS).decode()
     mode = '{"task": "object", "piece": "coffeeTable"}'
@@ -290,7 +290,7 @@ def test_a_plot_is_sound_svg_within_its_box_for_any_numbers(log, values) -> None
 )
 def test_numbers_of_a_run_that_no_plot_can_show_end_no_report(tmp_path, lines) -> None:
     metrics(tmp_path, json.dumps(LINE), *map(json.dumps, lines))
-    assert b"How they learnt" in report(tmp_path, SECTIONS)
+    assert b"Learning curves" in report(tmp_path, SECTIONS)
 
 
 @pytest.mark.parametrize("runs", [[], [[1], [1, 2]]], ids=["no runs", "runs of other lengths"])
@@ -304,4 +304,4 @@ def test_scores_of_another_program_that_are_not_whole_end_no_report(tmp_path, ru
     mode["policies"]["explorer"]["runs"] = [run | {"targets": each} for each in runs]
     content["targets"]['{"task": "reach", "room": 5}'] = mode
     path.write_text(json.dumps(content))
-    assert b"The houses" in report(tmp_path, SECTIONS)
+    assert b"Houses" in report(tmp_path, SECTIONS)

@@ -158,15 +158,15 @@ def _column(name, **changes):
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        (_changed(format="vitruvius-trace-2"), f"a trace of version vitruvius-trace-2: this is {FORMAT}"),
-        (_changed(format="vitruvius-2"), "no trace: "),
+        (_changed(format="vitruvius-trace-2"), f"a trace of version vitruvius-trace-2, not {FORMAT}"),
+        (_changed(format="vitruvius-2"), "not a trace: "),
         (_changed(length=7), "must be uint8 of shape"),
         (_changed(targets=[]), "fewer targets than were picked up"),
-        (_changed(house={}), "no trace: "),
+        (_changed(house={}), "not a trace: "),
         (_changed(columns={}), "column action is missing"),
         (_column("action", data="eJwDAAAAAAE="), "its data are not of shape"),
         (_column("action", data="AAAA"), "cannot be unpacked"),
-        (_column("action", data="?"), "no trace: "),
+        (_column("action", data="?"), "not a trace: "),
         (_column("action", shape=[10**9]), "column action must be"),
     ],
 )

@@ -109,9 +109,9 @@ def test_a_checkpoint_that_names_too_many_houses_is_refused(tmp_path, monkeypatc
 def test_a_network_of_another_shape_is_refused(tmp_path):
     path = tmp_path / "agent.safetensors"
     other = QNetwork(rays=20).state_dict()
-    assert "another shape" in refusal(spoiled(path, other))
-    assert "another shape" in refusal(spoiled(path, {"look.weight": torch.ones(1)}))
-    assert "another shape" in refusal(spoiled(path, config=json.dumps({"half_lives": [1]})))
+    assert ": the checkpoint does" in refusal(spoiled(path, other))
+    assert ": the checkpoint does" in refusal(spoiled(path, {"look.weight": torch.ones(1)}))
+    assert ": the checkpoint does" in refusal(spoiled(path, config=json.dumps({"half_lives": [1]})))
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])
@@ -119,13 +119,13 @@ def test_weights_that_are_no_numbers_are_refused(tmp_path, value):
     path = tmp_path / "agent.safetensors"
     weights = network_of(CONFIG).state_dict()
     weights["look.weight"][0, 0] = value
-    assert "some weights are no finite numbers" in refusal(spoiled(path, weights))
+    assert "some weights are not finite numbers" in refusal(spoiled(path, weights))
 
 
 @pytest.mark.parametrize(
     ("config", "words"),
     [
-        ({"half_lives": 90_000 * [1.0]}, "half_lives are at most 64, not 90000"),
+        ({"half_lives": 90_000 * [1.0]}, "half_lives has at most 64 values, not 90000"),
         ({"half_lives": 3_000_000 * [1.0]}, "its header has more than 1 MiB"),
         ({"sim": ["rays=1000000000"]}, "1 to 1,024 rays"),
     ],
@@ -146,7 +146,7 @@ def test_what_is_too_large_or_no_file_is_refused_unread(tmp_path):
     os.truncate(path, 5 << 30)  # zeros, which take no disk space
     assert "holds more than 256 MiB" in refusal(path)
     os.mkfifo(tmp_path / "pipe.safetensors")
-    assert "is a device or a pipe, and no file" in refusal(tmp_path / "pipe.safetensors")
+    assert "it is a device or a pipe, not a file" in refusal(tmp_path / "pipe.safetensors")
 
 
 def test_a_config_of_another_version_or_algorithm_is_refused(tmp_path):

@@ -115,6 +115,6 @@ def test_the_command_writes_a_checkpoints_network(tmp_path):
 
 
 def test_what_works_on_a_planners_map_is_not_exported(tmp_path):
-    with pytest.raises(RequestError, match="needs a planner's whole map"):
+    with pytest.raises(RequestError, match="network needs the planner's whole map"):
         export(network_of(PRESETS["map-completion"]), tmp_path / "agent.onnx")
     assert not (tmp_path / "agent.onnx").exists()

@@ -137,7 +137,7 @@ def test_a_run_that_was_killed_goes_on_bit_for_bit(tmp_path):
     ],
 )
 def test_a_run_that_stopped_after_any_report_goes_on_bit_for_bit(tmp_path, monkeypatch, config, houses):
-    """This is so for each algorithm; what was learned after the last saved state is learned again."""
+    """Each algorithm is tried; what was learned after the last saved state is learned again."""
     run(houses, config, tmp_path / "whole")
     learner = algorithm_of(config)
     iterate = learner.iterate
@@ -157,11 +157,13 @@ def test_houses_in_rotation_are_named_and_maps_of_them_are_not_learnt(tmp_path):
     made, _ = run(rotation, CONFIG, tmp_path / "run")
     assert (made.houses, len(made.learnt_in)) == (bank_hash(HOUSES), 4)
     assert json.loads((tmp_path / "run/config.json").read_text())["houses"]["number"] == 4
-    with pytest.raises(RequestError, match="map-completion learns in houses that stay: give a house file"):
+    with pytest.raises(
+        RequestError, match="map-completion cannot train on rotating houses: give a house file"
+    ):
         run(rotation, SMALL["map-completion"], tmp_path / "maps")
-    with pytest.raises(RequestError, match="seed 2000000000 of a stream: learn in houses of seeds below"):
+    with pytest.raises(RequestError, match="seed 2000000000 of a stream: train on houses with seeds below"):
         run(HouseStream(2, seed=2 * 10**9), CONFIG, tmp_path / "stream")
-    with pytest.raises(RequestError, match="a state of another rotation"):
+    with pytest.raises(RequestError, match="the state belongs to another rotation"):
         run(HouseRotation(HOUSES, 3, 50), CONFIG, tmp_path / "run", resume=True)
 
 
@@ -176,7 +178,7 @@ def test_train_learns_in_the_training_split_of_a_set_and_in_houses_made_meanwhil
         assert json.loads((out / "config.json").read_text())["houses"]["number"] == number
     found = checkpoint.load("set-run/agent.safetensors")
     assert (found.houses, found.learnt_in) == (HouseSet("set", "train").hash, frozenset())
-    with pytest.raises(RequestError, match="a set is learnt in by its split train"):
+    with pytest.raises(RequestError, match="training uses the split train of a set"):
         run(HouseSet("set"), CONFIG, tmp_path / "all")
 
 
@@ -211,11 +213,11 @@ def test_a_run_goes_on_with_more_steps(folder):
 
 def test_a_folder_that_holds_a_run_is_refused_and_left_as_it_is(folder):
     before = {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
-    with pytest.raises(RequestError, match="holds a run already"):
+    with pytest.raises(RequestError, match="already holds a run"):
         run(HOUSES, CONFIG, folder)
-    with pytest.raises(RequestError, match="another config cannot go on here: q_lambda"):
+    with pytest.raises(RequestError, match="another config cannot be resumed here: q_lambda"):
         run(HOUSES, replace(CONFIG, q_lambda=0.3), folder, resume=True)
-    with pytest.raises(RequestError, match="pqn cannot go on as dqn"):
+    with pytest.raises(RequestError, match="pqn cannot be resumed as dqn"):
         run(HOUSES, replace(PRESETS["dqn"], num_envs=8), folder, resume=True)
     with pytest.raises(RequestError, match="other houses"):
         run(HOUSES[:2], CONFIG, folder, resume=True)
@@ -225,14 +227,17 @@ def test_a_folder_that_holds_a_run_is_refused_and_left_as_it_is(folder):
 @pytest.mark.parametrize("name", ["agent.safetensors", "metrics.jsonl", "state.pt.gz"])
 def test_a_folder_with_a_file_that_a_run_would_replace_is_refused(tmp_path, name):
     (tmp_path / name).write_text("mine")
-    with pytest.raises(RequestError, match="holds a run already"):
+    with pytest.raises(RequestError, match="already holds a run"):
         run(HOUSES, CONFIG, tmp_path)
     assert (tmp_path / name).read_text() == "mine"
 
 
 def test_a_folder_that_another_run_works_in_is_refused(tmp_path):
     folder = runs.Folder(tmp_path / "run")
-    with folder.alone(resume=False), pytest.raises(RequestError, match="another run is at work here"):
+    with (
+        folder.alone(resume=False),
+        pytest.raises(RequestError, match=": another run is active in this folder"),
+    ):
         run(HOUSES, CONFIG, tmp_path / "run", resume=True)
     assert [path.name for path in (tmp_path / "run").iterdir()] == [".lock"]
     run(HOUSES, replace(CONFIG, steps=128), tmp_path / "run")  # a run that ended leaves the folder free
@@ -286,7 +291,7 @@ def test_reports_that_cannot_be_read_are_left_out_and_a_run_without_any_is_refus
     assert [now.steps for now in history] == list(range(128, 1537, 128))
     assert file.read_bytes().splitlines(keepends=True) == lines
     file.write_bytes(strange[0])
-    with pytest.raises(CheckpointError, match=r"metrics.jsonl: holds no report up to step 1,536"):
+    with pytest.raises(CheckpointError, match=r"metrics.jsonl: lacks the reports up to step 1,536"):
         run(HOUSES, CONFIG, folder, resume=True)
 
 
@@ -300,7 +305,9 @@ def test_a_run_that_diverges_leaves_the_last_good_checkpoint(tmp_path, monkeypat
         return reports[-1]
 
     monkeypatch.setattr(PQN, "iterate", spoilt)
-    with pytest.raises(Diverged, match=r"nan after 512 steps: .*agent.safetensors is the last good one"):
+    with pytest.raises(
+        Diverged, match=r"nan after 512 steps: .*agent.safetensors is the last good checkpoint"
+    ):
         run(HOUSES, CONFIG, tmp_path / "run")
     kept = checkpoint.load(tmp_path / "run/agent.safetensors")
     assert kept.steps == 384

@@ -91,8 +91,8 @@ def test_an_agent_is_evaluated_in_held_out_houses_and_the_best_one_kept_and_lear
 
 def test_held_out_houses_are_none_that_are_learnt_in_or_kept_for_measuring(tmp_path):
     for held_out, error, message in (
-        ([*HELD_OUT, HOUSES[1]], RequestError, "held-out house 2: the agent learns in this house"),
-        (benchmark()[:1], HouseFileError, "held-out houses: house 0: its seed .* is kept for measuring"),
+        ([*HELD_OUT, HOUSES[1]], RequestError, "held-out house 2: the agent is trained on this"),
+        (benchmark()[:1], HouseFileError, "held-out houses: house 0: its seed .* is reserved for evaluation"),
         ([], RequestError, "needs 1 to 1,024 held-out houses, not 0: name a house file with --held-out"),
     ):
         with pytest.raises(error, match=message):
@@ -125,7 +125,7 @@ def noted(now: Progress) -> None:
 def test_no_file_names_a_module(tmp_path, nothing_allowed):
     settings = tmp_path / "train.toml"
     settings.write_text(f'preset = "pqn"\nmodule = "{OWN}"\n')
-    with pytest.raises(RequestError, match="is code, and no file may name code"):
+    with pytest.raises(RequestError, match="is code, and a file may not name code by"):
         parse(["train", "--config", str(settings), "--out", str(tmp_path / "run")]).run()
     allow(OWN)
     run(HOUSES, replace(CONFIG, module=OWN, steps=200), tmp_path / "own")

@@ -37,7 +37,7 @@ def test_a_bank_with_another_brief_is_refused(tmp_path: Path, monkeypatch: pytes
     assert save_entries(entries, bank.FILE) == bank.HASH
     frozen()
     save_entries(entries[1:], bank.FILE)
-    with pytest.raises(HouseFileError, match="not the frozen bank"):
+    with pytest.raises(HouseFileError, match="not the held-out set"):
         frozen()
 
 

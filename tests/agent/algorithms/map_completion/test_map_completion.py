@@ -502,8 +502,8 @@ def test_it_predicts_where_something_is_new_or_was_found_or_after_a_while(monkey
 @pytest.mark.parametrize(
     ("targets", "preset", "message"),
     [
-        ("main", "default", "plays no other task than the one that it has learnt: give --targets secondary"),
-        ("secondary", replace(PAPER, body=(0.4, 0.4)), "cannot read those of one of 0.400 m"),
+        ("main", "default", "runs only the task that it was trained on: give --targets secondary"),
+        ("secondary", replace(PAPER, body=(0.4, 0.4)), "cannot read those of one 0.400 m wide"),
     ],
 )
 def test_another_task_or_another_body_is_refused(targets, preset, message):

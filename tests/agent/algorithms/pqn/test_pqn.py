@@ -161,7 +161,7 @@ def test_a_run_of_another_config_algorithm_or_bank_cannot_go_on(envs):
     state = learner_of(envs).state()
     with pytest.raises(RequestError, match="q_lambda, seed"):
         learner_of(envs, q_lambda=0.5, seed=3).restore(state)
-    with pytest.raises(RequestError, match="dqn cannot go on as pqn"):
+    with pytest.raises(RequestError, match="dqn cannot be resumed as pqn"):
         learner_of(envs).restore(state | {"algorithm": "dqn"})
     with pytest.raises(RequestError, match="other houses"):
         learner_of(envs).restore(state | {"houses": "others"})

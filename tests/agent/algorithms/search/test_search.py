@@ -553,8 +553,8 @@ def test_the_state_of_a_run_is_as_large_as_that_of_a_new_one():
 @pytest.mark.parametrize(
     ("targets", "preset", "message"),
     [
-        ("main", "default", "plays no other task than the one that it has learnt: give --targets secondary"),
-        ("secondary", replace(PAPER, body=(0.4, 0.4)), "cannot read those of one of 0.400 m"),
+        ("main", "default", "runs only the task that it was trained on: give --targets secondary"),
+        ("secondary", replace(PAPER, body=(0.4, 0.4)), "cannot read those of one 0.400 m wide"),
     ],
 )
 def test_another_task_or_another_body_is_refused(targets, preset, message):
@@ -573,7 +573,7 @@ def test_closed_doors_are_refused_in_one_line():
 @pytest.mark.parametrize("changes", [{"body": (0.14, 0.14)}, {"step": 0.1}])
 def test_another_body_is_not_learnt_with(changes):
     envs = make_envs(HOUSES, 4, "secondary", preset=replace(DEFAULT, **changes))
-    with pytest.raises(RequestError, match="maps of the default body alone"):
+    with pytest.raises(RequestError, match="search is trained only on maps of the"):
         learner_of(SMALL, envs)
 
 

@@ -110,32 +110,32 @@ def quick() -> Checkpoint:
     [
         (
             lambda: PQNConfig(world="drive"),
-            "world drive: the layer shield is of bodies on a lattice: add",
+            "world drive: the action mask shield needs grid steps: add --avoidance none",
         ),
         *(
-            (partial(kind, world="drive"), f"world drive: {kind.algorithm} is of bodies on a lattice: try")
+            (partial(kind, world="drive"), f"world drive: {kind.algorithm} moves in grid steps: use pqn-free")
             for kind, _ in TABLE
             if not kind.drives
         ),
         (
             lambda: actions(replace(SMALL, sim=('drive={"commands":[[0,3]]}',))),
-            "world drive: 1 commands: three at least, the third one forward",
+            "world drive: 1 commands: give at least three, the third of them forward",
         ),
         (
             lambda: actions(replace(SMALL, sim=('drive={"commands":[[0.7,0],[0,3],[0,-3]]}',))),
-            "world drive: 3 commands: three at least, the third one forward",
+            "world drive: 3 commands: give at least three, the third of them forward",
         ),
         (
             lambda: next(measure({"mine": [quick()]}, HOUSES[:1], ("main",), backend="free")),
-            "mine: drive: its limits differ from the baselines': only the commands may differ",
+            "mine: drive: its speed limits differ from the baselines': only the commands may differ",
         ),
         (
             lambda: Evaluate(backend="free", beside=Path("games.json")).run(),
-            "--beside: people played on a lattice",
+            "--beside: people played in grid steps: use",
         ),
         (
             lambda: agents_scenes(quick(), HOUSES[0], "main", 0),
-            "mine drives, and people play on a lattice of steps",
+            "mine drives, and people play in grid steps: choose another",
         ),
     ],
 )
@@ -166,6 +166,7 @@ def test_a_house_of_too_many_corners_is_refused_before_anything_plays(monkeypatc
     monkeypatch.setattr(roadmap, "MAX_CORNERS", 3)
     monkeypatch.setattr(protocol, "play", lambda *_: pytest.fail("it plays"))
     with pytest.raises(
-        HouseFileError, match=r"house \d of 4 has \d+ corners that paths may turn at: 3 at most"
+        HouseFileError,
+        match=r"house \d of 4 has \d+ corners at which paths can turn: at most 3 are supported",
     ):
         next(measure({}, HOUSES, ("main",), backend="free"))

@@ -147,9 +147,9 @@ def test_other_rays_and_other_motions_do_as_well(config):
     [
         ({"ray_spacing": 20.0, "rays": 9, "first_ray": 80.0}, "rays at most 15 degrees apart, not 20"),
         ({"rays": 20}, "rays from 45 degrees left to 45 right at least"),
-        ({"rays": 400, "ray_spacing": 1.0, "first_ray": 180.0}, "rays around once at most"),
-        ({"latency": 2}, "rays of now, not of 2 steps ago"),
-        ({"angle_noise": 1.0}, "rays whose directions have no error"),
+        ({"rays": 400, "ray_spacing": 1.0, "first_ray": 180.0}, "at most one full turn of rays"),
+        ({"latency": 2}, "current rays, not those of 2 steps ago"),
+        ({"angle_noise": 1.0}, "rays without angle_noise"),
     ],
 )
 def test_rays_that_no_map_can_be_kept_by_are_refused_in_a_line(changes, words):
@@ -160,7 +160,7 @@ def test_rays_that_no_map_can_be_kept_by_are_refused_in_a_line(changes, words):
 
 def test_each_explorer_refuses_the_bodies_of_the_other_in_a_line():
     envs = make_envs(HOUSES[:1], 1, "main", backend="free")
-    with pytest.raises(ValueError, match="an explorer counts steps on a lattice"):
+    with pytest.raises(ValueError, match="an explorer counts grid steps"):
         Explorer(lambda observation, blocked: blocked, envs.config)
     with pytest.raises(ValueError, match="an explorer that drives needs the backend free"):
         DrivingExplorer(DEFAULT, lambda: np.zeros((1, 3)))

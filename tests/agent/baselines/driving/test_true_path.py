@@ -86,5 +86,5 @@ def test_a_body_that_is_shut_in_finds_nothing():
 
 
 def test_bodies_on_a_lattice_have_an_oracle():
-    with pytest.raises(ValueError, match="take the backend free, or an oracle"):
+    with pytest.raises(ValueError, match="robot: use the backend free, or the oracle"):
         TruePath(HouseVectorEnv([House((HALL,), hub="R0", topology="own")], 1))
