@@ -136,7 +136,7 @@ def test_under_avoidance_worlds_keep_gymnasiums_promises_and_turn_before_they_bu
 def test_nobody_learns_in_the_benchmark_bank(tmp_path):
     file = tmp_path / "houses.jsonl"
     save(benchmark()[:1], file)
-    with pytest.raises(HouseFileError, match="kept for measuring"):
+    with pytest.raises(HouseFileError, match="reserved for evaluation"):
         example("task").Task(file).make_envs()
 
 

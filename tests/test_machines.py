@@ -64,7 +64,7 @@ NOTHING_WRITTEN = {
 @pytest.mark.parametrize("name", NOTHING_WRITTEN)
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="a folder in which nobody can write")
 def test_the_simulator_runs_where_no_file_can_be_written(name: str, tmp_path: Path) -> None:
-    """This is so in a container with read-only file systems, or with a full disk."""
+    """Examples are a container with read-only file systems, and a full disk."""
     own, keeps = NOTHING_WRITTEN[name]
     environment = os.environ | {"HOME": str(tmp_path)} | own
     environment.pop("XDG_CACHE_HOME", None)
@@ -127,7 +127,7 @@ def test_a_reader_that_ends_early_is_no_error(folder: Path) -> None:
 
 
 SCARCE = {
-    "no folder": ("mkdir gone; cd gone; rmdir ../gone", 5, "the folder that this was started in is gone"),
+    "no folder": ("mkdir gone; cd gone; rmdir ../gone", 5, "the current folder was deleted"),
     "few files": (
         "ulimit -n 13",
         4,
@@ -154,7 +154,7 @@ def test_too_little_memory_is_no_fault_of_ours(folder: Path) -> None:
     line = 'ulimit -v 1500000; exec "$0" -m vitruvius.cli evaluate pqn'
     made = finished(["bash", "-c", line, sys.executable], cwd=folder)
     assert made.returncode == 4
-    assert made.stderr.startswith("error: too little memory on this machine, or by ulimit -v: ")
+    assert made.stderr.startswith("error: out of memory (this machine, or ulimit -v): ")
     assert made.stderr.count("\n") == 1
 
 

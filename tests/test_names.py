@@ -41,7 +41,7 @@ def test_a_class_has_a_name_of_its_own_in_all_packages() -> None:
 
 @pytest.mark.parametrize("package", ["logic", "sim", "agent", "benchmarks", "vitruvius"])
 def test_no_name_is_a_private_word(package: str) -> None:
-    """This covers identifiers and prose, also in rules and pages."""
+    """The test covers identifiers and prose, also in rules and pages."""
     private = re.compile(rf"\b_*({'|'.join(TERMS)})s?\b", re.IGNORECASE)
     found = {
         str(path.relative_to(ROOT)): [f"{word}: {TERMS[word]}" for word in map(str.lower, said)]

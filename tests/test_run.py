@@ -161,7 +161,7 @@ def test_an_old_prolog_is_not_taken_for_a_good_one(machine: Machine) -> None:
 
 
 def test_a_prolog_that_cannot_run_is_named_and_nothing_is_installed(tmp_path: Path) -> None:
-    """This happens under a tiny stack (``ulimit -s``), where Prolog ends by a signal."""
+    """Under a tiny stack (``ulimit -s``) Prolog ends by a signal."""
     install = {"apt-get": 'echo >"$STUBS/installed"'}
     machine = Machine(tmp_path, swipl="kill -SEGV $$", **install)
     code, _, err = machine.run("demo")

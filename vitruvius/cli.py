@@ -23,54 +23,60 @@ COMMANDS = {
     "generate": ("vitruvius.commands.generate:Generate", "Make houses from rules."),
     "regenerate": (
         "vitruvius.commands.regenerate:Regenerate",
-        "Make rows of a set of houses again, hash by hash.",
+        "Regenerate rows of a dataset of houses and compare their hashes.",
     ),
     "check": (
         "vitruvius.commands.houses:Check",
-        "Check houses by plain geometry, apart from the rules that made them.",
+        "Check houses by geometry, independently of the rules that made them.",
     ),
     "draw": ("vitruvius.commands.houses:Draw", "Draw plans of houses and a contact sheet."),
     "convert": (
         "vitruvius.commands.houses:Convert",
-        "Write houses as a file of today's format, or for another tool.",
+        "Write houses in the current format, or for another tool.",
     ),
     "info": (
         "vitruvius.commands.info:Info",
-        "Say what a file or folder is: houses, a grammar, an agent, a run.",
+        "Describe a file or folder: houses, a grammar, an agent, a run.",
     ),
     "explain": (
         "vitruvius.commands.rules:Explain",
-        "Why no house satisfies a request, or why a house is as it is.",
+        "Explain why no house satisfies a request, or why a house is as it is.",
     ),
     "lint": (
         "vitruvius.commands.rules:Lint",
-        "Find the mistakes in rule files that clingo and Prolog pass over.",
+        "Find mistakes in rule files that clingo and Prolog do not report.",
     ),
     "rules": (
         "vitruvius.logic.language.reference:Rules",
         "Print the reference of the rule language, with recipes.",
     ),
-    "watch": ("vitruvius.commands.watch:Watch", "Draw what a grammar makes in a browser, at each save."),
-    "playground": ("vitruvius.commands.playground:Playground", "A page that makes houses in the browser."),
+    "watch": (
+        "vitruvius.commands.watch:Watch",
+        "Show houses of a grammar in a browser, redrawn at each save.",
+    ),
+    "playground": (
+        "vitruvius.commands.playground:Playground",
+        "Open a page that generates houses in the browser.",
+    ),
     "train": ("vitruvius.commands.train:Train", "Train an agent in houses."),
-    "evaluate": ("vitruvius.commands.evaluate:Evaluate", "Measure agents in houses that they have not seen."),
+    "evaluate": ("vitruvius.commands.evaluate:Evaluate", "Evaluate agents on held-out houses."),
     "export": ("vitruvius.commands.train:Export", "Write an agent's network as an ONNX file."),
     "play": ("vitruvius.commands.play:Play", "Drive the robot by the keyboard, and race an agent."),
     "record": ("vitruvius.commands.record:Record", "Film an agent in a house, with its rays and trail."),
-    "report": ("vitruvius.commands.report:Report", "Write a run as one HTML file, with episodes to play."),
+    "report": ("vitruvius.commands.report:Report", "Write a run as one HTML file with playable episodes."),
     "demo": (
         "vitruvius.commands.demo:Demo",
-        "Houses, an agent that learns in them, a report: in minutes.",
+        "Generate houses, train an agent on them and write a report, in minutes.",
     ),
     "bench": (
         "vitruvius.studies:study_table",
-        "Studies of a checkout: solve time, speed of a step, how well agents do.",
+        "Run a study of a checkout: solve time, simulator speed, agents' scores.",
     ),
     "schema": (
         "vitruvius.answers.agents:Schema",
-        "Print the JSON Schema of a house, or of what --json prints.",
+        "Print the JSON Schema of a house, or of answers of --json.",
     ),
-    "completion": ("vitruvius.completion:Completion", "Print what makes your shell complete these commands."),
+    "completion": ("vitruvius.completion:Completion", "Print a completion script for your shell."),
 }
 """Commands by name: class of the command, ``module:Class``, and its description. Groups begin at those of
 ``GROUPS``."""
@@ -110,7 +116,7 @@ ABOUT = "Furnished houses from rules, simulated thousands at a time, explored by
 ENDINGS = """\
 Exit codes: 0 done; 1 a check, lint or measurement says no; 2 wrong usage;
 3 proved unsatisfiable; 4 a limit was reached; 5 a file is absent or wrong;
-69 a program or library is missing; 70 a fault of ours; 130 Ctrl-C; 143 SIGTERM.
+69 a program or library is missing; 70 a bug in Vitruvius; 130 Ctrl-C; 143 SIGTERM.
 With --json a command prints one JSON object, errors included.
 docs/command-line.md has all of it."""
 
@@ -277,7 +283,7 @@ def _exit_code(arguments: list[str]) -> int:
             code = _run(arguments)
     except VitruviusError as error:
         fault = error.exit_code == VitruviusError.exit_code
-        what = "error, a fault of ours, please report it" if fault else "error"
+        what = "error, a bug in Vitruvius, please report it" if fault else "error"
         code = failed(error, error.exit_code, f"{what}: {error}")
     except (GrammarWarning, PlanWarning) as warning:
         code = failed(warning, 5, f"error: {warning}: PYTHONWARNINGS makes this warning an error")
@@ -290,9 +296,9 @@ def _exit_code(arguments: list[str]) -> int:
     except Exception as error:
         if isinstance(error, MemoryError) or NO_MEMORY.search(str(error)):
             reason = " ".join(str(error).split("\n")[0].split()) or "none is left"
-            return failed(error, 4, f"error: too little memory on this machine, or by ulimit -v: {reason}")
+            return failed(error, 4, f"error: out of memory (this machine, or ulimit -v): {reason}")
         traceback.print_exc()
-        code = failed(error, 70, "error, a fault of ours: please report it with the lines above")
+        code = failed(error, 70, "error, a bug in Vitruvius: please report it with the lines above")
     return code
 
 
@@ -301,11 +307,11 @@ def _what_fails() -> str:
     try:
         os.getcwd()
     except OSError:
-        return "the folder that this was started in is gone: go to another"
+        return "the current folder was deleted: change to another"
     try:
         tempfile.TemporaryFile().close()
     except OSError:
-        return "no temporary file can be made: name a folder for them by TMPDIR"
+        return "cannot create a temporary file: name a writable folder by TMPDIR"
     return "the system"
 
 

@@ -98,21 +98,20 @@ TITLE = "# An agent in houses that it has never seen"
 """First line of the report."""
 
 MAIN_ROOM = (
-    "**Main room: learning.** In the paper's houses, rooms around a main room, the network of "
-    f"`{AGENT}` began this run with random weights. It has learnt to go to targets that its rays show; it "
-    "keeps no map. The script and the explorer are written by hand and learn nothing."
+    f"**Main room: learning.** In the paper's houses, rooms around a main room, the network of `{AGENT}` "
+    "began this run with random weights. It has learned to go to targets that its rays hit; it has no map. "
+    "The script and the explorer are hand-written and do not learn."
 )
 
 
 def object_goal(piece: str) -> str:
     """Return a description of the second part, for the kind of furniture that is sought."""
     return (
-        f"**Find a {piece} in homes: a planner, and a network that foresees.** `explorer` is a "
-        "next-best-view planner over an occupancy map, written by hand; it learns nothing. `foresight` is "
+        f"**Find a {piece} in homes: a planner, and a network that predicts.** `explorer` is a "
+        "next-best-view planner over an occupancy map, written by hand; it does not learn. `foresight` is "
         "the same planner with a map completion network that began this run with random weights. It has "
-        "learnt from houses what lies "
-        f"where the map shows nothing yet, and where a {piece} stands, by the kinds of pieces that its rays "
-        "have met. What it adds is the paired difference."
+        f"learned to predict unseen floor, and where a {piece} stands, from the furniture types that its "
+        "rays have hit. The paired difference is its gain."
     )
 
 
@@ -184,12 +183,12 @@ def _clear(out: Path) -> None:
     """
     report = out / "report.md"
     if out.exists() and any(out.iterdir()) and not (report.exists() and report.read_text().startswith(TITLE)):
-        raise RequestError(f"--out {out}: holds something else than a demo: give another folder")
+        raise RequestError(f"--out {out}: exists and is not a demo: choose another folder")
     for name in FILES:
         (out / name).unlink(missing_ok=True)
     for name in RUNS:
         shutil.rmtree(out / name, ignore_errors=True)
-    write_whole(report, f"{TITLE}\n\nThe demo is at work: this page is written at its end.\n".encode())
+    write_whole(report, f"{TITLE}\n\nThe demo is running: it writes this page when it ends.\n".encode())
 
 
 def banks(seed: int, report: Report) -> dict[str, tuple[list[House], list[House]]]:
@@ -209,7 +208,7 @@ def banks(seed: int, report: Report) -> dict[str, tuple[list[House], list[House]
                         raise VitruviusError(f"a house of {grammar}, {rooms} rooms, {request}: {faults[0]}")
                     halves[half].append(house)
                     made.append(house)
-                    report(len(made) / whole, f"{len(made)} made and checked")
+                    report(len(made) / whole, f"{len(made)} generated and checked")
         found[grammar] = halves
     if len({geometry_hash(house) for house in made}) < len(made):
         raise VitruviusError(f"seed {seed} gave the same house twice. Try another --seed")
@@ -254,7 +253,9 @@ def gain(result: Result) -> str:
     """Return the effect of map completion on the planner, in one line."""
     own, base = (result.spl(name) for name in (FORESIGHT, "explorer"))
     gain = paired_difference(own, base).signed(3)
-    return f"SPL of {FORESIGHT} less explorer, paired by house, {result.episodes} episodes in each: {gain}"
+    return (
+        f"SPL gain of {FORESIGHT} over explorer, paired by house, {result.episodes} episodes in each: {gain}"
+    )
 
 
 def _measured(
@@ -318,13 +319,11 @@ def _made(last: Progress, learnt: Progress) -> str:
     """Return a description of the training houses and of the training."""
     return (
         f"From rules, {TRAINING[SEARCH]} homes (grammar `{SEARCH}`) and {TRAINING[STAR]} of the paper's "
-        f"houses (`{STAR}`) were made to learn in, and {HELD_OUT[SEARCH]} and {HELD_OUT[STAR]} by another "
-        "seed to be measured in. "
-        "All passed the independent check; no two are the same. "
-        f"The agent learnt from {last.steps / 1e6:.1f} million steps in {last.seconds:.0f} s: "
-        f"{last.simulator:,.0f} steps a second in the simulator, {last.learner:,.0f} in the learner. "
-        f"Map completion learnt from the maps of {learnt.steps / 1e6:.1f} million steps of explorers in "
-        f"{learnt.seconds:.0f} s."
+        f"houses (`{STAR}`) were generated for training, and {HELD_OUT[SEARCH]} and {HELD_OUT[STAR]} from "
+        "another seed for evaluation. All passed the independent check; no two are the same. The agent was "
+        f"trained on {last.steps / 1e6:.1f} million steps in {last.seconds:.0f} s: {last.simulator:,.0f} "
+        f"steps per second in the simulator, {last.learner:,.0f} in the learner. Map completion was trained "
+        f"on the maps of {learnt.steps / 1e6:.1f} million steps of explorers in {learnt.seconds:.0f} s."
     )
 
 
@@ -334,13 +333,14 @@ def _page(
     """Return the report, in Markdown."""
     paragraphs = (
         TITLE,
-        "Some of the homes that no agent learnt in:",
+        "Some of the held-out homes:",
         "![Plans of homes](homes.png)",
         words,
         f"{gain(found.result)}.",
         score_table(found.result).markdown(),
         found.film(),
-        "Right: what it has seen, and how likely it thinks the target to lie where; red: how the house is.",
+        "Right: the part of the house that it has seen, and the predicted probability of the target; red: "
+        "the true house.",
         "![An episode of the search](episode-object.gif)",
         MAIN_ROOM,
         score_table(main.result).markdown(),

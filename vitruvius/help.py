@@ -46,7 +46,7 @@ def of_table(
         for name in names:
             parts += entry(name, table[name][1], longest, width)
         parts.append("")
-    parts += _wrapped(f"{prog} COMMAND --help: what a command does, and its options.", width, 0)
+    parts += _wrapped(f"{prog} COMMAND --help: the purpose and options of a command.", width, 0)
     return "\n".join([*parts, *(["", end] if end else [])])
 
 

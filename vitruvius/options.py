@@ -77,7 +77,7 @@ class Option:
             named = self.metavar if self.positional else self.flag
             raise RequestError(f"{named}: is empty: give {self.metavar}: {self.help}")
         if self.type is Path and value == "-" and not self.dash:
-            way = "written to the standard output" if self.writes else "read from the standard input"
+            way = "written to standard output" if self.writes else "read from standard input"
             raise RequestError(f"{shown}: is not {way}: give a path: {self.help}")
         if self.choices and value not in self.choices:
             raise RequestError(f"{shown}: {unknown(self.shown.lower() or self.name, value, self.choices)}")
@@ -152,7 +152,9 @@ def require(prog: str, arguments: Sequence[str], options: Sequence[Option]) -> N
     _require_loose(prog, loose, options)
     if len(dashes) + loose.count("-") > 1:
         both = " and ".join([*["-"] * loose.count("-"), *dashes])
-        raise RequestError(f"{prog}: {both}: there is one standard input: name a file for the others")
+        raise RequestError(
+            f"{prog}: {both}: standard input can be read only once: name a file for the others"
+        )
     for option in options:
         if option.default is MISSING and not option.positional and option.name not in given:
             raise RequestError(f"{prog}: give {option.flag} {option.metavar}: {option.help}")
@@ -180,7 +182,7 @@ def _require_loose(prog: str, words: Sequence[str], known: Sequence[Option]) -> 
             raise RequestError(f"{prog}: {word}: did you mean {meant}?")
     if len(words) > len(options) and not any(option.several for option in options):
         surplus = words[len(options)]
-        raise RequestError(f"{prog}: {surplus} is one word too many: see {prog} --help")
+        raise RequestError(f"{prog}: unexpected argument {surplus}: see {prog} --help")
     for word, option in zip(words, options, strict=False):
         option.require(word)
     for option in options[len(words) :]:

@@ -22,7 +22,7 @@ def page() -> str:
         parts += [f"## {title}", ""]
         for name in names:
             if name == "bench":
-                parts += ["### bench", "`./run bench NAME` runs a study: [studies.md](studies.md).", ""]
+                parts += ["### bench", "`./run bench NAME` runs a study: see [The studies](studies.md).", ""]
             else:
                 parts += [f"### {name}", *quoted(command_help([name], width=WIDTH))]
     return "\n".join(parts).rstrip() + "\n"

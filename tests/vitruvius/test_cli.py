@@ -188,7 +188,7 @@ def test_a_place_that_cannot_be_written_to_is_refused_before_any_work(
     (tmp_path / "file").touch()
     ended = vitruvius(*words.format(place.format(folder=tmp_path), houses=houses).split())
     assert ended.returncode == 2
-    assert re.fullmatch(r"error: --out \S+: \S+ cannot be written to: .+\n", ended.stderr)
+    assert re.fullmatch(r"error: --out \S+: cannot write to \S+: .+\n", ended.stderr)
     assert list(tmp_path.iterdir()) == [tmp_path / "file"]
 
 
@@ -200,7 +200,7 @@ def test_a_warning_that_is_made_an_error_is_one_line(tmp_path: Path) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         done = vitruvius("generate", "--plan", tmp_path / "plan.geojson", "--out", tmp_path / "a.jsonl")
-    said = "plan: passed over beside the rooms: 1 feature without geometry"
+    said = "plan: ignored beside the rooms: 1 feature without geometry"
     assert (done.returncode, done.stdout) == (5, "")
     assert done.stderr == f"error: {said}: PYTHONWARNINGS makes this warning an error\n"
 

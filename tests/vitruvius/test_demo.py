@@ -58,7 +58,7 @@ def test_a_folder_that_holds_something_else_than_a_demo_is_refused_and_left_as_i
     (tmp_path / "training").mkdir()
     (tmp_path / "training/notes.txt").write_text("mine")
     (tmp_path / "houses.jsonl").write_text("mine")
-    with pytest.raises(RequestError, match="holds something else than a demo: give another folder"):
+    with pytest.raises(RequestError, match="exists and is not a demo: choose another folder"):
         demo(tmp_path)
     assert sorted(path.name for path in tmp_path.rglob("*")) == ["houses.jsonl", "notes.txt", "training"]
 
@@ -107,8 +107,8 @@ def test_report_and_terminal_say_what_the_network_adds_to_the_planner_behind_doo
     for shown in ((made[0] / "report.md").read_text(), made[2]):
         words = " ".join(shown.split())
         assert "the same planner with a map completion network that began this run with random" in words
-        assert "SPL of foresight less explorer, paired by house, 4 episodes in each: " in words
-        assert "in the paper's own house: the human's row says whether that is another house" in words
+        assert "SPL gain of foresight over explorer, paired by house, 4 episodes in each: " in words
+        assert "of the paper's own house; the human's row states if that is another house" in words
 
 
 def test_the_terminal_shows_whole_tables_in_80_columns(made):
@@ -129,9 +129,7 @@ def test_a_checkpoint_of_the_demo_can_be_filmed_again(made, tmp_path):
         assert image.n_frames == 3  # pyright: ignore[reportAttributeAccessIssue]
     with pytest.raises(RequestError, match="houses 0 to 1"):
         Record(agent, houses, house=2).run()
-    with pytest.raises(
-        RequestError, match=r"--out .*film.avi: films are written as .gif or .mp4: use .*film.gif"
-    ):
+    with pytest.raises(RequestError, match=r"--out .*film.avi: a film must be .gif or .mp4: use .*film.gif"):
         Record(agent, houses, out=tmp_path / "film.avi").run()
 
 
@@ -152,7 +150,7 @@ def test_a_mosaic_films_many_environments_side_by_side_each_in_its_house(made, t
         others = np.asarray(framed(plan(two[cell % 2], 120).reduce(SHARP), (width, height)), int)
         assert np.abs(shown - alone).mean() < np.abs(shown - others).mean()
     for wrong in ("9x9", "4", "0x3"):
-        with pytest.raises(RequestError, match=f"--mosaic {wrong}: write columns and rows as 4x3"):
+        with pytest.raises(RequestError, match=f"--mosaic {wrong}: give columns and rows, as in 4x3"):
             Record(agent, houses, mosaic=wrong).run()
 
 
@@ -175,7 +173,7 @@ def test_the_networks_gain_is_the_paired_difference_to_the_planner():
         shortest=[10, 20],
         others={"foresight": scores([1, 1], first=[40, 40]), "explorer": scores([1, 1], first=[20, 25])},
     )
-    words = "SPL of foresight less explorer, paired by house, 1 episodes in each"
+    words = "SPL gain of foresight over explorer, paired by house, 1 episodes in each"
     assert gain(both).startswith(f"{words}: -0.275 [")
 
 

@@ -131,10 +131,15 @@ def test_games_scores_traces_plans_grammars_settings_and_weights_are_told(tmp_pa
         ("other.json", b'{"a": 1}', UnknownFileError, "does not know this kind of file"),
         ("cut.jsonl", b'{"format": "vitruvius-1", "roomN', HouseFileError, "cut.jsonl:1: not a house"),
         ("zip.jsonl.gz", gzip.compress(b"{}", mtime=0)[:-9], HouseFileError, "zip.jsonl.gz: cannot be read"),
-        ("bad.safetensors", b"\x09\0\0\0\0\0\0\0{}", UnknownFileError, "no checkpoint of ours"),
+        ("bad.safetensors", b"\x09\0\0\0\0\0\0\0{}", UnknownFileError, "not a checkpoint of Vitruvius. Make"),
         ("rooms.lp", b"a.", UnknownFileError, "a rule file: look at its grammar"),
         ("plan.geojson", b'{"type": "FeatureCollection"}', UnknownFileError, "GeoJSON, but no plan"),
-        ("scores.json", b'{"bank": 1, "targets": 2}', UnknownFileError, "no scores of this version"),
+        (
+            "scores.json",
+            b'{"bank": 1, "targets": 2}',
+            UnknownFileError,
+            "not scores of this version. Write some",
+        ),
         ("trace.json", b'{"format": "vitruvius-trace-0"}', UnknownFileError, "a trace of another version"),
         ("f.toml", b"steps = 'x'", VitruviusError, "f.toml:1: steps: expected"),
         ("game.jsonl", b'{"format": "vitruvius-game-1"}', VitruviusError, "game.jsonl:1: no game"),
@@ -161,7 +166,7 @@ def test_folders_and_names_that_are_nothing_say_what_there_is(tmp_path: Path) ->
     with pytest.raises(UnknownFileError, match=r"there is no name test-v2: did you mean test-v1\?"):
         recognised("test-v2")
     (tmp_path / "config.json").write_text("{}")
-    with pytest.raises(UnknownFileError, match=r"is none of a run\. Train one"):
+    with pytest.raises(UnknownFileError, match=r"its config.json is not that of a run. Train"):
         recognised(str(tmp_path))
     (tmp_path / "pipe").symlink_to("/dev/null")
     with pytest.raises(UnknownFileError, match="is a device or a pipe"):

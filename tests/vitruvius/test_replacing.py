@@ -181,7 +181,7 @@ def test_two_commands_never_draw_into_one_folder_at_once(
 ) -> None:
     with alone_in(tmp_path / "plans"), pytest.raises(SystemExit, match="2"):
         main(["draw", str(PLANS), "--out", str(tmp_path / "plans")])
-    assert "another command draws here: wait" in capsys.readouterr().err
+    assert ": another command is drawing to this" in capsys.readouterr().err
     assert not (tmp_path / "plans").exists()
     with pytest.raises(SystemExit, match="0"):
         main(["draw", str(PLANS), "--out", str(tmp_path / "plans")])
@@ -195,7 +195,7 @@ def test_a_study_goes_on_in_its_own_folder_and_is_told_to_write_to_another(tmp_p
             (folder / "study.md").write_bytes(b"figures")
     (folder / MARK).unlink()
     with (
-        pytest.raises(RequestError, match="--replace to write beside them"),
+        pytest.raises(RequestError, match="to keep them and add files"),
         study_folder(folder, replace=False),
     ):
         raise AssertionError

@@ -22,10 +22,10 @@ def counts(option: str, texts: tuple[str, ...]) -> dict[str, Any]:
     for text in texts:
         name, _, number = text.partition("=")
         if name in counts:
-            raise RequestError(f"{option} {text}: {name} is given before: give each name once")
+            raise RequestError(f"{option} {text}: {name} is given twice: give each name once")
         if not name or not re.fullmatch(r"\d+|\d*\.\.\d*", number):
             like = re.split(r"[^\w.]", text)[0] or "bed"
-            raise RequestError(f"{option} {text}: say how many, as in {option} {like}=2 or {like}=1..3")
+            raise RequestError(f"{option} {text}: give a count, as in {option} {like}=2 or {like}=1..3")
         counts[name] = from_option(number)
     return counts
 

@@ -38,7 +38,7 @@ class Evaluate:
     """
 
     groups: ClassVar = {
-        "houses": "What they play",
+        "houses": "Task and houses",
         "scores": "Beside others",
         "engine": "Work",
         "out": "Output",
@@ -165,7 +165,7 @@ class Evaluate:
             banks.require_places(targets, self.houses)
         whole("--seed", self.seed, 0, MAX_SEED)
         if self.backend == "free" and self.beside:
-            raise RequestError("--beside: people played on a lattice of steps: take the backend continuous")
+            raise RequestError("--beside: people played in grid steps: use --backend continuous")
         if self.episodes < 1:
             raise RequestError(f"--episodes must be 1 or more, not {self.episodes}")
 
@@ -251,13 +251,13 @@ class Evaluate:
         try:
             held = load(file)
         except ScoreError:
-            what = "holds something else than scores: name another folder, or add --replace to lose it"
+            what = "exists and is not scores: choose another folder, or add --replace to overwrite it"
             raise RequestError(f"--out {self.out}: {what}") from None
         theirs = held.bank.hash, held.seed, held.backend, held.world, held.episodes, set(held.targets)
         ours = bank.hash, self.seed, self.backend, self.world, self.episodes, set(modes)
         paths = [[str(path) for path in some] for some in (self.agents, self.scores)]
         if theirs != ours or [held.agents, held.scores] != paths:
-            what = "holds another evaluation: name another folder, or add --replace to lose it"
+            what = "holds another evaluation: choose another folder, or add --replace to overwrite it"
             raise RequestError(f"--out {self.out}: {what}")
 
 
@@ -280,6 +280,9 @@ def by_name(paths: Sequence[Path]) -> dict[str, list["Checkpoint"]]:
         else:
             name = found.name if found.name not in agents else f"{found.name} ({path.parent.name})"
             if name in agents:
-                raise RequestError(f"{path}: another config than {name}'s, by the same name")
+                raise RequestError(
+                    f"{path}: its config differs from that of {name}, another run of the "
+                    "same agent: give runs of one config"
+                )
             agents[name] = [found]
     return agents

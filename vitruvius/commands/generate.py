@@ -35,12 +35,12 @@ class Generate:
     """Make houses from rules."""
 
     groups: ClassVar = {
-        "rooms": "What the houses have",
-        "brief": "Rooms that are wanted, each by its name",
-        "plan": "Rooms that are given",
-        "grammar": "Which houses, of all that there are",
+        "rooms": "Content of the houses",
+        "brief": "Rooms requested by name",
+        "plan": "Rooms of existing houses",
+        "grammar": "Seeds and number of houses",
         "workers": "Work",
-        "shard": "A set of many houses",
+        "shard": "Datasets of many houses",
         "out": "Output",
     }
 
@@ -162,9 +162,7 @@ class Generate:
 
             return make_shards(self, self.shard)
         if self.engine is not None or self.address is not None:
-            raise RequestError(
-                "--engine and --address are of a set: say which of its shards by --shard, as in all/8"
-            )
+            raise RequestError("--engine and --address need a set: name its shards with --shard, as in all/8")
         out = None if self.out == STANDARD else self.out
         _require_writable(out, self.count)
         houses: list[House] = []
@@ -231,8 +229,8 @@ class Generate:
         least, most = int(found[1]), int(found[2] or found[1])
         if least != most and self.shard is None:
             raise RequestError(
-                f"--rooms {self.rooms}: houses of several numbers of rooms are a set: say which of its "
-                "shards by --shard, as in all/8, and its folder by --out"
+                f"--rooms {self.rooms}: a range of rooms needs a set: name its shards with --shard, as in "
+                "all/8, and its folder with --out"
             )
         return least if least == most else (least, most)
 
@@ -243,12 +241,12 @@ class Generate:
         from vitruvius.logic.workers.nearest import nearest_brief
 
         if request.brief is None:
-            raise RequestError("--nearest is of a brief or a plan: give it by --brief FILE or --plan FILE")
+            raise RequestError("--nearest needs a brief or a plan: give --brief FILE or --plan FILE")
         found = nearest_brief(request, self.seed, self.start)
         if found.broken:
-            say("no house keeps the whole brief. As few lines as can be are broken:")
+            say("no house satisfies the whole brief. These houses break as few lines as possible:")
         else:
-            say("houses keep the whole brief")
+            say("houses satisfy the whole brief")
         for each in found.broken:
             say(f"  {each}")
         return replace(request, brief=found.brief), [*map(str, found.broken)]
@@ -262,11 +260,11 @@ class Generate:
         found = plan_nearest(request, self.seed, self.start)
         if found.proof:
             say(str(found.proof))
-            say("walls move by as little as can be:")
+            say("walls move as little as possible:")
             for each in found.changes:
                 say(f"  {each}")
         else:
-            say("houses keep the whole plan")
+            say("houses match the whole plan")
         return replace(request, plan=found.plan), [*found.changes]
 
     def answer(self, request: "HouseRequest", seconds: float, made: int = 0, **found: Any) -> None:
@@ -304,7 +302,7 @@ class Generate:
                 full = full or error
                 stopped = os.strerror(error.errno)
         if stopped:
-            say(f"{out}: holds the first {kept} of {len(houses)} made")
+            say(f"{out}: holds the first {kept} of {len(houses)} generated houses")
         if full:
             raise full
 
@@ -335,7 +333,7 @@ class Generate:
         if self.keep is None:
             if self.keep_house or self.keep_rooms:
                 raise RequestError(
-                    "--keep-house and --keep-rooms are of a house file: give it by --keep FILE"
+                    "--keep-house and --keep-rooms need a house file: give it with --keep FILE"
                 )
             return None
         houses = load(self.keep)

@@ -181,7 +181,7 @@ class Draw:
         from vitruvius.logic.errors import RequestError
 
         if self.paper and not self.scale:
-            raise RequestError(f"--paper {self.paper}: say by --scale how large, as --scale 1:50")
+            raise RequestError(f"--paper {self.paper}: give a scale, as --scale 1:50")
         if self.scale and (self.one_scale or self.diff):
             other = "--one-scale" if self.one_scale else "--diff"
             raise RequestError(f"--scale and {other}: leave out one of them")
@@ -215,7 +215,7 @@ class Draw:
         if len(pairs[0]) != len(pairs[1]):
             counts = f"{self.file} has {numbered(len(pairs[0]), 'house')}, {self.diff} {len(pairs[1])}"
             raise RequestError(
-                f"--diff: {counts}: each is compared with the one at its place, so give as many"
+                f"--diff: {counts}: houses are compared in pairs, so give files with the same number"
             )
         digits, files, differences = len(str(len(pairs[0]) - 1)), [], []
         for index, (old, new) in enumerate(zip(*pairs, strict=True)):
@@ -297,9 +297,9 @@ class Convert:
         from vitruvius.logic.errors import RequestError
 
         if self.to != "vitruvius-2":
-            raise RequestError(f"--out -: --to {self.to} writes a file for each house: name a folder")
+            raise RequestError(f"--out -: --to {self.to} writes a file for each house: give --out a folder")
         if self.json:
-            raise RequestError("--out - and --json: the houses are printed, or the answer: leave out one")
+            raise RequestError("--out - and --json both write to standard output: leave out one")
         for house in load(self.file):
             print(json.dumps(house.converted().to_dict()), flush=True)
         return 0
@@ -310,4 +310,4 @@ def _remove_others(folder: Path, written: "Sequence[Path]") -> None:
     from vitruvius.logic.files.replacing import remove_others
 
     if number := remove_others(folder, written):
-        say(f"{folder}: {number} of an earlier run removed")
+        say(f"{folder}: removed {number} of an earlier run")

@@ -136,7 +136,7 @@ class Play:
             theirs = "".join(f", {name} {score}" for name, score in raced.items())
             say(f"house {index}: {player} {game.score}{theirs}: {self.out}")
             more = self.house is None and index + 1 < len(houses)
-            keys = "Enter: the next house   Esc: the end" if more else "Enter or Esc: the end"
+            keys = "Enter: next house   Esc: quit" if more else "Enter or Esc: quit"
             scores = [f"{name}: {score}" for name, score in [("you", game.score), *raced.items()]]
             if not window.show([*scores, keys]) or not more:
                 break

@@ -32,7 +32,10 @@ class Playground:
 
         if self.out is not None:
             write(self.out)
-            say(f"{self.out}: {size(self.out) / 1e6:.1f} MB: publish it as it is; its page is index.html")
+            say(
+                f"{self.out}: {size(self.out) / 1e6:.1f} MB: publish the folder unchanged; its page is "
+                "index.html"
+            )
             return 0
         require_port(self.port)
         with TemporaryDirectory() as made:

@@ -92,7 +92,7 @@ class Record:
 
         shape, is_trace = self._mosaic(), self.out.name.endswith(trace.ENDING)
         if shape and is_trace:
-            raise RequestError(f"--mosaic {self.mosaic}: a trace is of one environment")
+            raise RequestError(f"--mosaic {self.mosaic}: a trace holds one environment: leave out --mosaic")
         try:
             if not is_trace:
                 require_film(self.out)
@@ -137,6 +137,7 @@ class Record:
         columns, rows = (int(found[1]), int(found[2])) if found else (0, 0)
         if not 1 <= columns * rows <= MOST_CELLS:
             raise RequestError(
-                f"--mosaic {self.mosaic}: write columns and rows as 4x3, of {MOST_CELLS} environments at most"
+                f"--mosaic {self.mosaic}: give columns and rows, as in 4x3, with at most {MOST_CELLS} "
+                "environments"
             )
         return columns, rows

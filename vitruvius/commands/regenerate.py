@@ -16,7 +16,7 @@ from vitruvius.options import Streamed
 class Regenerate:
     """Generate rows of a set again, from their provenance and the rules in the set."""
 
-    groups: ClassVar = {"row": "Which rows, and by which rules"}
+    groups: ClassVar = {"row": "Rows and rules"}
 
     file: tyro.conf.Positional[Streamed]
     """Folder of a set, a file of rows (Parquet or JSON Lines), or - for rows as JSON Lines."""
@@ -43,5 +43,5 @@ class Regenerate:
                 say(again.differs)
             else:
                 as_before += 1
-        say(f"{numbered(as_before + others, 'row')} made again: {as_before} as before, {others} not")
+        say(f"{numbered(as_before + others, 'row')} regenerated: {as_before} identical, {others} different")
         return 1 if others else 0

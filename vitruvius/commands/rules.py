@@ -19,7 +19,7 @@ from vitruvius.options import Streamed
 class Explain:
     """Explain why no house satisfies a request (--rooms), or why a house is so (HOUSES --why R3.bed)."""
 
-    groups: ClassVar = {"why": "A part of a house", "rooms": "A request", "grammar": "Rules, limits, answer"}
+    groups: ClassVar = {"why": "Part of a house", "rooms": "A request", "grammar": "Rules, limits, answer"}
 
     file: tyro.conf.Positional[Annotated[Streamed | None, tyro.conf.arg(metavar="[HOUSES]")]] = None
     """House file: the command explains a part of a house in it."""
@@ -133,11 +133,13 @@ class Explain:
         asked = {"--rooms": self.rooms, "--type": self.type, "--piece": self.piece, "--cell": self.cell}
         asked |= {"--brief": self.brief, "--plan": self.plan}
         if given := [option for option, value in asked.items() if value]:
-            raise RequestError(f"{' and '.join(given)}: asks about a request: leave out that, or {file}")
+            raise RequestError(
+                f"{' and '.join(given)}: these options describe a request: leave out them, or {file}"
+            )
         if self.why is None:
             raise RequestError(
-                f"explain {file}: say what with --why, as in --why R0 or --why R0.bed; of a star --why main, "
-                "--why R0.door; of a plan --why entrance, --why R0-R1, --why R0.window"
+                f"explain {file}: name a part with --why, as in --why R0 or --why R0.bed; of a star --why "
+                "main, --why R0.door; of a plan --why entrance, --why R0-R1, --why R0.window"
             )
         houses = load(file)
         if not 0 <= self.house < len(houses):

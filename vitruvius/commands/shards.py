@@ -32,7 +32,7 @@ def make_shards(command: Any, asked: str) -> int:
         begin(folder, of, request.rules, command.replace)
         made = _made(folder, of, shards, command, cluster)
         last = _completed(folder, of, cluster.map if cluster else map)
-    there = "" if made == len(shards) else f" of {len(shards)} made, the others were there"
+    there = "" if made == len(shards) else f" of {len(shards)} generated, the others existed"
     say(f"{folder}: {numbered(made, 'shard')}{there or ' made'}. {last}")
     if command.json:
         made = sum(len(shard.indices) for shard in shards)
@@ -44,14 +44,16 @@ def _require(command: Any, asked: str) -> tuple[Path, int]:
     """Return the set's folder, and its number of shards. Raises ``RequestError`` for invalid options."""
     found = re.fullmatch(r"(all|\d+)/(\d+)", asked)
     if not found:
-        raise RequestError(f"--shard {asked}: say which of how many, from 0, as in --shard 3/8 or all/8")
+        raise RequestError(
+            f"--shard {asked}: give a shard and their number, counted from 0, as in --shard 3/8 or all/8"
+        )
     parts = whole("the number of shards", int(found[2]), 1, MAX_SHARDS)
     if found[1] != "all" and int(found[1]) >= parts:
         raise RequestError(f"--shard {asked}: they count from 0: the last one is {parts - 1}/{parts}")
     if command.out is None or str(command.out) == "-":
-        raise RequestError("--shard: a set is a folder of files: name it by --out")
+        raise RequestError("--shard: a set is a folder: name it with --out")
     if command.nearest:
-        raise RequestError("--shard: a set is of one request: leave out --nearest")
+        raise RequestError("--shard: a set has one request: leave out --nearest")
     require_folder(command.out)
     if command.workers is not None:
         whole("workers", command.workers, 1)
@@ -112,5 +114,5 @@ def _made(folder: Path, of: Set, shards: list[Shard], command: Any, cluster: Clu
 def _completed(folder: Path, of: Set, each: Mapper) -> str:
     """Complete the set if all its shards exist; return its state in words."""
     if (left := len(missing(folder, of))) or (manifest := complete(folder, of, each)) is None:
-        return f"{numbered(left, 'shard')} of the set {'is' if left == 1 else 'are'} missing yet."
-    return f"The set is whole: {numbered(manifest.houses, 'house')}, {numbered(manifest.limits, 'limit')}."
+        return f"{numbered(left, 'shard')} of the set {'is' if left == 1 else 'are'} still missing."
+    return f"The set is complete: {numbered(manifest.houses, 'house')}, {numbered(manifest.limits, 'limit')}."

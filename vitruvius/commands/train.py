@@ -153,7 +153,7 @@ class Train(Generic[Kind]):
         houses, watching = self._houses(), self._watching()
         first, several = self.learning.seed, whole("--seeds", self.seeds, 1, MOST_RUNS) > 1
         if several and self.json:
-            raise RequestError("--json prints one answer: give --json or --seeds, not both")
+            raise RequestError("--json prints one answer, and --seeds trains several agents: leave out one")
         for seed in range(first, first + self.seeds):
             out = self.out / f"seed-{seed}" if several else self.out
             self._train(houses, replace(self.learning, seed=seed), out, watching)
@@ -211,7 +211,8 @@ class Train(Generic[Kind]):
         curve = out / "learning-curve.png"
         if curve.exists() and not self.resume:
             raise RequestError(
-                f"{curve}: another run wrote this file: choose another --out folder, or --resume"
+                f"{curve} already exists from another run: choose another --out folder, or continue with "
+                "--resume"
             )
         command, name = shlex.join(["vitruvius", *sys.argv[1:]]), self.name or self.preset
         made, history = run(
@@ -234,10 +235,10 @@ class Train(Generic[Kind]):
             else ""
         )
         _say(
-            f"{agent}: {made.steps / 1e6:.2f} M steps in {last.seconds:.0f} s "
-            f"(simulator {last.simulator:,.0f}, learner {last.learner:,.0f} steps a second), "
-            f"{last.targets:.1f} targets per 1500 steps while learning. {known}"
-            f"Next: vitruvius evaluate {quoted(agent)}{drives}"
+            f"{agent}: {made.steps / 1e6:.2f} M steps in {last.seconds:.0f} s (simulator "
+            f"{last.simulator:,.0f}, learner {last.learner:,.0f} steps per second), {last.targets:.1f} "
+            f"targets per 1500 steps during training. {known}Next: vitruvius evaluate "
+            f"{quoted(agent)}{drives}"
         )
 
 

@@ -186,7 +186,7 @@ def _drawn(name: str, format_: str, read: Callable[[], Sequence[Any]]) -> Plan:
     try:
         rooms = read()
     except RequestError as error:
-        raise RequestError(f"{format_}, but no plan: {error}") from None
+        raise RequestError(f"{format_}, but not a plan: {error}") from None
     size = max(room.box[2] for room in rooms), max(room.box[3] for room in rooms)
     types = _counted(room.type or "any" for room in rooms)
     return Plan(name=name, format=format_, rooms=len(rooms), types=types, size=size)

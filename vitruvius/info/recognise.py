@@ -85,7 +85,7 @@ RUNS: tuple[Reader, ...] = (
     (
         lambda it: it.has("config.json"),
         read_run,
-        "its config.json is none of a run. Train one: vitruvius train --out {name}",
+        "its config.json is not that of a run. Train one: vitruvius train --out {name}",
     ),
 )
 
@@ -100,7 +100,7 @@ FILES: tuple[Reader, ...] = (
     (
         lambda it: it.suffix == ".safetensors" or it.start[8:9] == b"{",
         read_agent,
-        "no checkpoint of ours. Make one with: vitruvius train",
+        "not a checkpoint of Vitruvius. Make one with: vitruvius train",
     ),
     (lambda it: it.suffix == ".toml", lambda it: read_settings(it.name, *settings.read(it.path)[:2]), ""),
     (lambda it: it.suffix in DESCRIPTIONS, lambda it: read_houses(it.name, load(it.path)), ""),
@@ -114,7 +114,7 @@ FILES: tuple[Reader, ...] = (
     (
         lambda it: {"bank", "targets"} <= it.record.keys(),
         read_scores,
-        "no scores of this version. Write some by vitruvius evaluate --out",
+        "not scores of this version. Write some: vitruvius evaluate --out",
     ),
     (
         lambda it: {"preset", "algorithm", "config"} <= it.record.keys(),
@@ -160,7 +160,7 @@ def _folder(name: str, path: Path) -> Kind:
     known = [each for each in there if each.endswith((*HOUSE_FILES, ".safetensors", "training"))]
     hint = f"look at {path / known[0]}" if known else "it has " + (", ".join(there[:5]) or "nothing")
     raise UnknownFileError(
-        f"{name}: a folder that is no set ({SET}), no run (config.json) and no grammar (.lp): {hint}"
+        f"{name}: this folder is not a set ({SET}), a run (config.json) or a grammar (.lp): {hint}"
     )
 
 
