@@ -181,7 +181,7 @@ def engine(
     if name:
         return connected(address, workers)
     if address is not None:
-        raise RequestError("--address: is of --engine ray: add it")
+        raise RequestError("--address needs --engine ray: add it")
     return nullcontext()
 
 
@@ -209,7 +209,7 @@ def _require_answer(address: str) -> None:
     named = re.fullmatch(r"auto|(?!.*://)(.+):(\d+)", address)
     if not named:
         raise RequestError(
-            f"--address {address}: name a cluster of Ray as HOST:PORT, or auto for that of here"
+            f"--address {address}: name a Ray cluster as HOST:PORT, or auto for the one on this machine"
         )
     try:
         if named[1]:
@@ -222,7 +222,7 @@ def _require_answer(address: str) -> None:
     except subprocess.TimeoutExpired:
         why = f"none answered in {ANSWERS:g} s"
     if why:
-        raise MissingProgram(f"--address {address}: no cluster of Ray to connect to: {why}")
+        raise MissingProgram(f"--address {address}: cannot connect to a Ray cluster: {why}")
 
 
 def _called(function: Callable[[Any], Any], item: Any) -> Returned[Any]:

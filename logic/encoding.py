@@ -18,7 +18,7 @@ def illegible(content: bytes) -> tuple[int, int, str] | None:
         if content.startswith(mark):
             return 1, 1, f"this file is {name}: save it as UTF-8"
     if content and content.count(0) > len(content) / 4:
-        return 1, 1, "this file is UTF-16, or no text: save it as UTF-8"
+        return 1, 1, "this file is UTF-16 or not text: save it as UTF-8"
     try:
         text = content.decode()
     except UnicodeDecodeError as error:
@@ -29,11 +29,11 @@ def illegible(content: bytes) -> tuple[int, int, str] | None:
         ), f"not UTF-8: byte {byte[0]:#x}, {meant} in Latin-1: save as UTF-8"
     for place, letter in enumerate(text):
         if letter == "\0":
-            return *_place(text[:place].encode()), "a NUL character: this is no text"
+            return *_place(text[:place].encode()), "a NUL character: this is not text"
         if letter == "\r" and text[place + 1 : place + 2] != "\n":
             return *_place(
                 text[:place].encode()
-            ), "a line ends by a carriage return alone: save with line ends LF"
+            ), "a line ends with a carriage return only: save with LF line endings"
     return None
 
 

@@ -171,7 +171,7 @@ def find(grammar: str | Path) -> Grammar:
     for file in asp + prolog:
         if not _is_utf8(file):
             raise GrammarError(
-                "its name is no UTF-8, which the solvers read: rename it", printable(str(file))
+                "its name is not UTF-8, which the solvers need: rename it", printable(str(file))
             )
         # An error message may quote a rule file to people who may not read the target of a link.
         if Path(os.path.realpath(file)).parent != directory:
@@ -211,9 +211,9 @@ def _require_no_copies(stated: Stated, directory: Path, only: Path | None = None
     for file, mine in stated.items():
         if (only in (None, file)) and (first := original(file, mine, before)):
             name = name_in(first, directory, SHIPPED.resolve())
-            what = f"states what {name} states, and all rule files of the folder are read"
+            what = f"repeats what {name} states, and all rule files of the folder are read"
             if first.parent != directory:
-                what = f"states what {name} states, which is included"
+                what = f"repeats what {name} states, which is included"
             raise GrammarError(f"{what}: keep one of the two", file)
         before[file] = mine
 
@@ -232,11 +232,11 @@ def _require_nothing_of_the_core(stated: Stated, topology: str | None) -> None:
             copied.parent == TOPOLOGIES and copied != STAR and "#include" not in copied.read_text("utf-8")
         )
         if not usable:
-            why = f"is a copy of {copied}, which is loaded by itself where it is needed: take it away"
+            why = f"is a copy of {copied}, which is loaded automatically: delete the copy"
             raise GrammarError(why, file)
         if topology and file.stem != topology:
             own = "make it a topology of your own: topology(mine) names a file mine.lp"
-            why = f"is a copy of {copied}, and the topology here is {topology}: take it away, or {own}"
+            why = f"is a copy of {copied}, and the topology here is {topology}: delete the copy, or {own}"
             raise GrammarError(why, file)
 
 
@@ -265,10 +265,10 @@ def folder(grammar: str | Path) -> Path:
     """Return the directory of a grammar, whatever it contains. Raises ``GrammarError`` if there is none."""
     directory = SHIPPED / grammar if str(grammar) in shipped() else Path(grammar)
     if str(grammar) == "-":
-        raise GrammarError("-: a grammar is a folder of rule files, and not read from the standard input")
+        raise GrammarError("-: a grammar is a folder of rule files, which standard input cannot hold")
     if directory.is_file():
         meant = f": did you mean {directory.parent}?" if directory.suffix in (".lp", ".pl") else ""
-        raise GrammarError(f"is a file, and a grammar is a folder of rule files{meant}", directory)
+        raise GrammarError(f"is a file, but a grammar is a folder of rule files{meant}", directory)
     if not directory.is_dir():
         raise GrammarError(f"there is no such directory, and {unknown('grammar', grammar, shipped())}")
     return directory.resolve()

@@ -26,10 +26,10 @@ LINES = {
 """Line at the top of a file. Its first group marks the column of an include, the second is the path."""
 
 SAYS = {
-    "elsewhere": "an include stands at the top of its file, alone on its line, as in {example}",
+    "elsewhere": "an include must be at the top of its file, alone on its line, as in {example}",
     "outside": "{file} lies outside: an include names a file of a shipped grammar, as in {example}, or one "
     "below the folder of this file",
-    "kind": "{file}: a {suffix} file includes {suffix} files alone",
+    "kind": "{file}: a {suffix} file includes only {suffix} files",
     "absent": "there is no file {file}: {hint}",
     "circle": "a circle: {file} includes itself{way}",
     "twice": "{file} is included already, at {place}: leave one of them out",

@@ -205,7 +205,7 @@ def _require_bounded(about: os.stat_result, path: str | Path, most: int) -> None
     if stat.S_ISDIR(about.st_mode):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     if not stat.S_ISREG(about.st_mode):
-        raise OSError(errno.EINVAL, "it is a device or a pipe, and no file", str(path))
+        raise OSError(errno.EINVAL, "it is a device or a pipe, not a file", str(path))
     if about.st_size > most:
         _too_large(path, most)
 
@@ -235,4 +235,4 @@ def _require_plain(content: bytes) -> None:
 
 
 def _no_number(word: str) -> NoReturn:
-    raise ValueError(f"{word} is no number")
+    raise ValueError(f"{word} is not a number")

@@ -42,7 +42,7 @@ def groups(path: Path, first: int, schema: Any) -> Iterator[list[dict[str, Any]]
         try:
             with ParquetFile(path) as file:
                 if not file.schema_arrow.equals(schema):
-                    raise ValueError("its columns are not those of a set")
+                    raise ValueError("its columns differ from those of a set")
                 with ParquetFile(path, metadata=file.metadata, read_dictionary=_texts(file)) as in_short:
                     for number in range(file.num_row_groups):
                         group = file.metadata.row_group(number)
@@ -61,7 +61,7 @@ def _require_footer(file: BinaryIO | GzipFile) -> None:
     file.seek(max(0, size - 8))
     length = int.from_bytes(file.read(8)[:4], "little")
     if not 12 <= 12 + length <= size:
-        raise ValueError("it is no Parquet file, or it is truncated")
+        raise ValueError("it is not a Parquet file, or it is truncated")
     if length > MAX_FOOTER_BYTES:
         raise ValueError(f"its list of row groups holds more than {MAX_FOOTER_BYTES >> 20} MiB")
 
@@ -105,7 +105,7 @@ def _pages(file: BinaryIO | GzipFile, column: Any) -> Iterator[tuple[int, int]]:
         except (KeyError, IndexError, TypeError, RecursionError):
             raise ValueError(f"the page header at byte {place} is damaged") from None
         if encoding not in ENCODINGS:
-            raise ValueError(f"a page has encoding {encoding}, which is not read")
+            raise ValueError(f"a page has the unsupported encoding {encoding}")
         if unpacked < 0 or packed < 0 or about[1] < 0:
             raise ValueError(f"the page header at byte {place} is damaged")
         yield unpacked, 0 if kind == DICTIONARY else about[1]

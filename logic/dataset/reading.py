@@ -142,11 +142,11 @@ class HouseSet(Sequence[House]):
             else:
                 yield from _as_stated(read(path), shard)
         except FileNotFoundError:
-            raise HouseFileError(f"{path}: is missing: generate --shard makes it again") from None
+            raise HouseFileError(f"{path}: is missing: regenerate it with generate --shard") from None
         except OSError as error:
             raise HouseFileError(f"{path}: cannot be read: {error.strerror}") from None
         except ValueError as error:
-            raise HouseFileError(f"{path}: is no shard of a set: {error}") from None
+            raise HouseFileError(f"{path}: is not a shard of a set: {error}") from None
 
     def _compare(self, shard: Held) -> None:
         """Compare the file of a shard with the manifest, once. Raises ``ValueError`` if they differ."""
@@ -166,7 +166,7 @@ class HouseSet(Sequence[House]):
         try:
             house = house_of(row, self.of.versions, self.of.promises)
         except ValueError as error:
-            raise HouseFileError(f"{self.folder}: {row.get('id')}: is no row of a set: {error}") from None
+            raise HouseFileError(f"{self.folder}: {row.get('id')}: is not a row of a set: {error}") from None
         if house is None:
             raise HouseFileError(f"{self.folder}: {row['id']}: is a limit, but {MANIFEST} states a house")
         return house
@@ -193,9 +193,9 @@ def _opened(folder: Path) -> tuple[Set, list[Held]]:
     """Return the record of a set and its shards."""
     of, manifest = read_set(folder), read_manifest(folder)
     if of is None:
-        raise HouseFileError(f"{folder}: is no set of houses: it has no {SET}")
+        raise HouseFileError(f"{folder}: is not a set of houses: it has no {SET}")
     if manifest is None:
-        raise HouseFileError(f"{folder}: is a set that is not whole: it has no {MANIFEST} yet")
+        raise HouseFileError(f"{folder}: is an incomplete set: it has no {MANIFEST} yet")
     return of, manifest.shards
 
 

@@ -77,7 +77,7 @@ def regenerated(path: Path, places: Iterable[int] = (), grammar: str | None = No
     except DAMAGED as error:
         raise HouseFileError(f"{path}: cannot be read: {reason(error)}") from None
     except ValueError as error:
-        raise HouseFileError(f"{path}: row {max(number, 0)}: is no row of a set: {error}") from None
+        raise HouseFileError(f"{path}: row {max(number, 0)}: is not a row of a set: {error}") from None
     if number < 0:
         raise HouseFileError(f"{path}: holds no row of a set")
     if missing := [place for place in wanted if place > number]:
@@ -87,7 +87,7 @@ def regenerated(path: Path, places: Iterable[int] = (), grammar: str | None = No
 def _rules(row: Columns, path: Path, of: Set | None, grammar: str | None) -> Grammar:
     if grammar is None and of is not None and of.grammar_hash == row.grammar_hash:
         return of.rules(path if path.is_dir() else path.parents[1])
-    where = "" if path != STANDARD and grammar else ": say by --grammar where its rules are"
+    where = "" if path != STANDARD and grammar else ": name the folder of its rules with --grammar"
     try:
         rules = find(grammar) if grammar else find_shipped(row.grammar)
     except GrammarError as error:
@@ -109,4 +109,4 @@ def _differs(row: Columns, made: House | LimitReached, of: Set | None) -> str | 
     others = [f"{name} {old}, here {here.get(name)}" for name, old in (of.versions if of else {}).items()]
     others = [each for each in others if len(set(each.split(" ", 1)[1].split(", here "))) == 2]
     by = f": it was made by {', '.join(others)}" if others else ""
-    return f"{row.id}: another house than the row's ({digest[:12]}, not {str(row.sha256)[:12]}){by}"
+    return f"{row.id}: the house differs from that of the row ({digest[:12]}, not {str(row.sha256)[:12]}){by}"

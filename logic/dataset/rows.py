@@ -87,7 +87,7 @@ def source(grammar: str, grammar_hash: str, request: Mapping[str, Any], seed: in
 def house_row(house: House) -> Row:
     """Return the row of a house with provenance."""
     made = house.provenance
-    assert made is not None, "a house that was made says how"
+    assert made is not None, "a generated house needs provenance"
     said = source(made.grammar, made.grammar_hash, made.request, made.seed, made.index)
     return said | {
         "rooms": len(house.counted),

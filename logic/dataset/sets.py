@@ -103,7 +103,7 @@ class Set(msgspec.Struct, frozen=True, dict=True, forbid_unknown_fields=True):
         whole("shards", self.shards, len(self.houses), min(MAX_SHARDS, sum(self.houses.values())))
         whole("seed", self.seed, 0, min(len(SPLITS[split]) for split in self.houses) - 1)
         if self.grammar in ("", ".", "..") or set(self.grammar) & set("/\\\0"):
-            raise ValueError(f"{self.grammar!r} is no name of a grammar")
+            raise ValueError(f"{self.grammar!r} is not the name of a grammar")
 
     @cached_property
     def asked(self) -> HouseRequest:
@@ -206,16 +206,16 @@ def read_manifest(folder: Path) -> Manifest | None:
         return None
     path = folder / MANIFEST
     if found.set_sha256 != hashlib.sha256((folder / SET).read_bytes()).hexdigest():
-        raise HouseFileError(f"{path}: is the manifest of another set than {SET} says")
+        raise HouseFileError(f"{path}: belongs to another set than {SET}")
     shards = [(each.place.as_posix(), each.split, len(each.indices)) for each in of.divided()]
     if shards != [(each.file, each.split, each.rows) for each in found.shards]:
-        raise HouseFileError(f"{path}: states other shards than {SET}")
+        raise HouseFileError(f"{path}: its shards differ from those of {SET}")
     for each in found.shards:
         if not all(one < next_ for one, next_ in pairwise([-1, *each.limits, each.rows])):
-            raise HouseFileError(f"{path}: its limits of {each.file} are no row numbers in ascending order")
+            raise HouseFileError(f"{path}: its limits of {each.file} are not row numbers in ascending order")
     limits = sum(len(each.limits) for each in found.shards)
     if (found.houses, found.limits) != (sum(of.houses.values()) - limits, limits):
-        raise HouseFileError(f"{path}: states other numbers of houses and limits than its shards have")
+        raise HouseFileError(f"{path}: its numbers of houses and limits differ from those of its shards")
     return found
 
 
@@ -235,7 +235,7 @@ def _read(path: Path, kind: type[Kind]) -> Kind | None:
     except OSError as error:
         raise HouseFileError(f"{path}: cannot be read: {error.strerror}") from None
     except ValueError as error:
-        raise HouseFileError(f"{path}: is no such file of a set: {error}") from None
+        raise HouseFileError(f"{path}: is not a valid file of a set: {error}") from None
 
 
 def begin(folder: Path, of: Set, rules: Grammar, replace: bool) -> None:
@@ -254,7 +254,7 @@ def begin(folder: Path, of: Set, rules: Grammar, replace: bool) -> None:
             old, new = (_short(getattr(each, differs)) for each in (there, of))
             raise _refused(folder, f"a set of another {differs} ({old}, not {new})")
         if not replace:
-            raise _refused(folder, "something else than a set")
+            raise _refused(folder, "files that are not a set")
         for path in (folder / MANIFEST, *files_of_shards(folder)):
             path.unlink(missing_ok=True)
     _write(folder / SET, encoded(of))
@@ -314,7 +314,9 @@ def finish(folder: Path, content: dict[str, bytes]) -> None:
 
 
 def _refused(place: Path, what: str) -> RequestError:
-    return RequestError(f"--out {place}: holds {what}: name another folder, or add --replace to lose it")
+    return RequestError(
+        f"--out {place}: holds {what}: choose another folder, or add --replace to overwrite it"
+    )
 
 
 def _short(value: Any) -> str:

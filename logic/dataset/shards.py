@@ -42,8 +42,10 @@ def make(
             held(folder, of, shard)
         except ValueError as error:
             if not replace:
-                why = f"--out {folder}: {shard.place} holds something else than its shard ({error})"
-                raise RequestError(f"{why}: name another folder, or add --replace to lose it") from None
+                why = f"--out {folder}: {shard.place} does not hold its shard ({error})"
+                raise RequestError(
+                    f"{why}: choose another folder, or add --replace to overwrite it"
+                ) from None
         else:
             return False
     try:
@@ -63,12 +65,12 @@ def make_on_node(folder: Path, of: Set, replace: bool, shard: Shard) -> bool:
     Raises ``MissingProgram`` if the machine would generate other houses.
     """
     if read_set(folder) != of:
-        raise MissingProgram(f"{folder}: the set is not there: the folder must be one that all nodes share")
+        raise MissingProgram(f"{folder}: the set is missing: all nodes must share this folder")
     request = of.request_in(folder)
     versions, _ = described(request)
     for name, version in of.versions.items():
         if (own := versions.get(name)) != version:
-            raise MissingProgram(f"houses of the set are made by {name} {version}, not {own}")
+            raise MissingProgram(f"houses of the set need {name} {version}, not {own}")
     return make(folder, of, shard, request, replace=replace)
 
 
@@ -102,7 +104,7 @@ def held(folder: Path, of: Set, shard: Shard) -> Held:
             raise ValueError(f"it has more rows than {len(shard.indices)}")
         said = of.row_source(shard.seed, shard.indices[number - 1])
         if row != _made_again(row, said, of):
-            raise ValueError(f"row {number - 1} is not that of {said['id']}")
+            raise ValueError(f"row {number - 1} is not the row of {said['id']}")
         if row["verdict"] == LIMIT:
             limits.append(number - 1)
         digest.update(f"{row['sha256'] or ''}\n".encode())
@@ -134,7 +136,7 @@ def verified(folder: Path, of: Set, shard: Shard) -> Held:
     try:
         return held(folder, of, shard)
     except ValueError as error:
-        raise HouseFileError(f"{folder / shard.place}: is no shard of the set: {error}") from None
+        raise HouseFileError(f"{folder / shard.place}: is not a shard of the set: {error}") from None
 
 
 def complete(folder: Path, of: Set, each: Mapper = map) -> Manifest | None:

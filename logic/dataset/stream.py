@@ -42,7 +42,7 @@ class HouseStream(Sequence[House]):
         """
         numbers = [rooms] if isinstance(rooms, int) else list(rooms)
         if not numbers:
-            raise RequestError("rooms: say how many, or from how many to how many: there are none")
+            raise RequestError("rooms: give a number or a range: the list is empty")
         self.seed, self.length = whole("seed", seed, 0), whole("count", count, 1)
         self.requests = [house_request(number, **stated) for number in numbers]
 
@@ -58,7 +58,7 @@ class HouseStream(Sequence[House]):
             return None
         least, most = int(found[2]), int(found[3] or found[2])
         if not 1 <= least <= most <= MOST_ROOMS:
-            raise RequestError(f"{text}: rooms are from 1 to {MOST_ROOMS}, the fewest first")
+            raise RequestError(f"{text}: give 1 to {MOST_ROOMS} rooms, the smaller number first")
         return cls(range(least, most + 1), grammar=found[1])
 
     @property

@@ -129,7 +129,7 @@ def require_drawable(houses: Iterable[House], out_dir: str | Path, format: str) 
     """
     houses = list(houses)
     if format not in Format.__args__:
-        raise ValueError(f"plans are drawn as svg, png or pdf, not {format!r}")
+        raise ValueError(f"a drawing is svg, png or pdf, not {format!r}")
     if not houses:
         raise ValueError(f"no house to draw in {out_dir}")
     return houses

@@ -40,7 +40,7 @@ def load(path: str | Path, file: BinaryIO | None = None, *, whole_pixels: bool =
     """
     path = Path(path)
     if path.suffix.lower() in PICTURES:
-        raise HouseFileError(f"{path}: a picture, and no house file: read a map by its .yaml")
+        raise HouseFileError(f"{path}: a picture, not a house file: for a map, give its .yaml file")
     try:
         if path.suffix.lower() in DESCRIPTIONS and not path.is_dir():
             return Houses([House.of_map(read_map(path))])
@@ -53,7 +53,9 @@ def load(path: str | Path, file: BinaryIO | None = None, *, whole_pixels: bool =
     except DAMAGED as error:
         raise HouseFileError(f"{path}: cannot be read: {reason(error)}") from None
     if not houses:
-        raise HouseFileError(f"{path}: holds no house. Make some with: {_made(path, 'generate --rooms 4')}")
+        raise HouseFileError(
+            f"{path}: holds no house. Generate some with: {_made(path, 'generate --rooms 4')}"
+        )
     return houses
 
 
@@ -111,12 +113,12 @@ def _folder(path: Path) -> str:
     if any(path.glob("*.lp")):
         return _grammar(path)
     there = sorted(file.name for file in path.glob("*") if file.name.lower().endswith(HOUSE_FILES))
-    return "is a folder, and no house file" + (f": did you mean {path / there[0]}?" if there else "")
+    return "is a folder, not a house file" + (f": did you mean {path / there[0]}?" if there else "")
 
 
 def _grammar(name: Path) -> str:
     made = f"vitruvius generate --grammar {quoted(name)} --rooms 6 --out houses.jsonl"
-    return f"is a grammar, and no house file. Make houses of it with: {made}"
+    return f"is a grammar, not a house file. Generate houses with: {made}"
 
 
 def _absent(path: Path) -> str:
@@ -130,7 +132,7 @@ def _absent(path: Path) -> str:
         folder = "this folder" if path.parent == Path() else path.parent
         return f"there is no such file: {folder} has {', '.join(there[:5])}"
     made = _made(path, "generate --rooms 4 --count 100")
-    return f"there is no such file. Make {'it' if made.endswith(quoted(path)) else 'one'} with: {made}"
+    return f"there is no such file. Generate {'it' if made.endswith(quoted(path)) else 'one'} with: {made}"
 
 
 def _made(path: Path, words: str) -> str:
@@ -164,7 +166,7 @@ def _require_once(pairs: list[tuple[str, Any]]) -> None:
     """Raise ``ValueError`` for a key that an object has twice, since other programs read the other value."""
     keys = [key for key, _ in pairs]
     if len(set(keys)) < len(keys):
-        raise ValueError(f"{max(keys, key=keys.count)!r} stands twice in an object")
+        raise ValueError(f"{max(keys, key=keys.count)!r} appears twice in an object")
 
 
 def _parsed(line: bytes, place: str, whole_pixels: bool) -> House:
@@ -174,8 +176,8 @@ def _parsed(line: bytes, place: str, whole_pixels: bool) -> House:
         if whole_pixels:
             record = json.loads(line, parse_float=lambda text: float(int(float(text))))
             if isinstance(record, dict) and "unit" in record:
-                raise ValueError(f"its lengths are in {record['unit']}, so there are no pixels to cut")
+                raise ValueError(f"its lengths are in {record['unit']}: cropping needs a house in pixels")
         return House.from_dict(record)
     except (ValueError, OverflowError) as error:
-        hint = " (the file is cut short)" if "truncated" in str(error) else ""
+        hint = " (the file is truncated)" if "truncated" in str(error) else ""
         raise HouseFileError(f"{place}: not a house: {error}{hint}") from None

@@ -29,7 +29,7 @@ def require_same_series(out: Path, first: House, last: int) -> int:
     that ended early can be completed.
     """
     new = first.provenance
-    assert new is not None, "a house that was made says how"
+    assert new is not None, "generated houses need provenance"
     held = _held(out)
     for house in held:
         old = house.provenance
@@ -77,8 +77,8 @@ def study_folder(folder: Path, replace: bool) -> Iterator[None]:
     """
     mark = folder / MARK
     if not replace and folder.is_dir() and any(folder.iterdir()) and not mark.exists():
-        why = f"--out {folder}: holds files that no study wrote"
-        raise RequestError(f"{why}: name another folder, or add --replace to write beside them")
+        why = f"--out {folder}: holds files that are not from a study"
+        raise RequestError(f"{why}: choose another folder, or add --replace to keep them and add files")
     folder.mkdir(parents=True, exist_ok=True)
     mark.touch()  # before the work, which may be killed
     try:
@@ -102,7 +102,9 @@ def alone_in(folder: Path) -> Iterator[None]:
         try:
             fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            raise RequestError(f"{folder}: another command draws here: wait, or name another") from None
+            raise RequestError(
+                f"{folder}: another command is drawing to this folder: wait, or choose another"
+            ) from None
         except OSError:
             pass  # some network file systems lock no folder, so that other commands remain unknown
         yield
@@ -121,7 +123,7 @@ def require_drawn(folder: Path, ending: str, replace: bool) -> None:
     for file in sorted(folder.glob(f"*.{ending}")) if not replace else ():
         ours = not file.is_file() or not file.stat().st_size or DRAWN_BY in file.read_bytes()
         if names.fullmatch(file.name) and not ours:
-            raise _refused(file, "something else than a picture of houses")
+            raise _refused(file, "content that is not a picture of houses")
 
 
 def remove_others(folder: Path, written: Iterable[Path]) -> int:
@@ -153,8 +155,8 @@ def _held(out: Path) -> list[House]:
     try:
         return load(out)
     except HouseFileError:
-        raise _refused(out, "something else than houses") from None
+        raise _refused(out, "content that is not houses") from None
 
 
 def _refused(out: Path, what: str = "other houses") -> RequestError:
-    return RequestError(f"--out {out}: holds {what}: name another file, or add --replace to lose them")
+    return RequestError(f"--out {out}: holds {what}: choose another file, or add --replace to overwrite them")

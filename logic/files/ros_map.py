@@ -90,7 +90,7 @@ def _described(path: Path) -> Description:
     """Return the contents of a YAML file."""
 
     def wrong(what: str) -> NoReturn:
-        raise HouseFileError(f"{path}: no map of ROS: {what}")
+        raise HouseFileError(f"{path}: not a ROS map: {what}")
 
     content = content_of(path, MOST_TEXT, unpack=False)
     try:
@@ -100,9 +100,9 @@ def _described(path: Path) -> Description:
         if re.match(rb"[\w\s]*+:", content) and not re.search(rb"(?m)^image[ \t]*:", content):
             wrong("it lacks image, as in image: map.png")
         mark = getattr(error, "problem_mark", None)
-        wrong(f"it is no YAML of plain values{f', in line {mark.line + 1}' if mark else ''}")
+        wrong(f"it is not YAML with plain values{f', in line {mark.line + 1}' if mark else ''}")
     if not isinstance(found, dict):
-        wrong("it says nothing by name, as in image: map.png")
+        wrong("it has no keys, such as image: map.png")
     found = {name: _value(each) for name, each in found.items()}
 
     def numbers(name: str, value: Any) -> list[float]:
@@ -111,7 +111,7 @@ def _described(path: Path) -> Description:
         except (TypeError, ValueError, OverflowError):
             given = [math.nan]
         if not all(map(math.isfinite, given)):
-            wrong(f"{name} is {SHORT.repr(value)}: it must be of numbers")
+            wrong(f"{name} is {SHORT.repr(value)}: it must hold numbers")
         return given
 
     for name in ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh"):
@@ -124,11 +124,14 @@ def _described(path: Path) -> Description:
         numbers("origin", found["origin"]),
     )
     if more or resolution <= 0:
-        wrong(f"resolution is {SHORT.repr(found['resolution'])}: it must be metres of a cell, more than 0")
+        wrong(
+            f"resolution is {SHORT.repr(found['resolution'])}: it must be the width of a cell in metres, "
+            "more than 0"
+        )
     if len(origin) != 3:
         wrong(f"origin has {len(origin)} numbers: it must have x, y and yaw")
     if origin[2]:
-        wrong(f"origin turns it by {origin[2]:g}: turn the picture, and say 0")
+        wrong(f"origin rotates the map by {origin[2]:g}: rotate the picture, and set yaw to 0")
     (occupied, *others), (free, *rest) = (
         numbers(name, found[name]) for name in ("occupied_thresh", "free_thresh")
     )
@@ -198,8 +201,10 @@ def _lightness(pixels: np.ndarray, mode: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _with_plain_head(file: BinaryIO) -> BinaryIO:
-    """Return the file of a picture. Raises ``ValueError`` for a head that Pillow would read for minutes:
-    comments of a PGM byte by byte, and each chunk of a PNG.
+    """Return the file of a picture.
+
+    Raises ``ValueError`` for a head that Pillow would read for minutes: comments of a PGM byte by byte, and
+    each chunk of a PNG.
     """
     head = file.read(MAX_HEAD)
     if head.startswith(b"P") and not PGM.match(head):
@@ -240,7 +245,7 @@ def _pixels(image: Path, path: Path) -> np.ndarray:
     except FileNotFoundError:
         wrong("there is no such file")
     except Image.DecompressionBombError:
-        wrong(f"it has more than the {MOST_CELLS:,} cells that are read")
+        wrong(f"it has more than {MOST_CELLS:,} cells, the limit")
     except (OSError, SyntaxError, ValueError, EOFError) as error:
         # Pillow's own message may have several lines.
-        wrong(str(getattr(error, "strerror", None) or "it is no PNG, PGM or BMP that can be read"))
+        wrong(str(getattr(error, "strerror", None) or "it is not a readable PNG, PGM or BMP"))

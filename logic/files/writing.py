@@ -21,7 +21,9 @@ def require_ending(path: str | Path, endings: Sequence[str]) -> None:
     path = Path(path)
     if not path.name.endswith(tuple(endings)) and (path.is_file() or not path.exists()):
         found = path.suffix or "no extension"
-        raise RequestError(f"{path}: {found} is not written here: name the file with {' or '.join(endings)}")
+        raise RequestError(
+            f"{path}: {found} is not supported here: name the file with {' or '.join(endings)}"
+        )
 
 
 def require_file(path: Path, endings: Sequence[str]) -> None:
@@ -47,7 +49,7 @@ def require_folder(path: Path | None) -> None:
         return
     if path.is_file() or path.suffix in FILES:
         words = f"name it without {path.suffix}" if path.suffix else "this is a file"
-        raise RequestError(f"{path}: a folder is written, of several files: {words}")
+        raise RequestError(f"{path}: the output is a folder of several files: {words}")
     _require_place(path, path)
 
 
@@ -57,7 +59,7 @@ def _require_place(folder: Path, out: Path) -> None:
     try:
         TemporaryFile(dir=there).close()  # permissions do not tell on every file system
     except OSError as error:
-        raise RequestError(f"--out {out}: {there} cannot be written to: {error.strerror}") from None
+        raise RequestError(f"--out {out}: cannot write to {there}: {error.strerror}") from None
 
 
 def write_whole(path: str | Path, content: bytes) -> None:

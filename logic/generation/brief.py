@@ -59,7 +59,7 @@ def brief_maker(grammar: Grammar, loaded: LoadedGrammar, brief: Brief, thorough:
             each,
             ADVICE,
             "the brief's rooms",
-            "give its areas a wider range (tolerance)",
+            "give the areas a wider range (tolerance)",
         )
         for each in ways
     )
@@ -124,21 +124,22 @@ class BriefDraft:
 def _require_possible(grammar: Grammar, loaded: LoadedGrammar, brief: Brief) -> None:
     """Raise ``RequestError`` for a grammar that states what a brief cannot keep."""
     if loaded.depths:
-        raise RequestError(f"brief: houses of the grammar {grammar.name} have units: take another")
+        raise RequestError(f"brief: houses of the grammar {grammar.name} have units: choose another grammar")
     if loaded.has_area and brief.outline.voids:
         raise RequestError(
-            f"brief: outline.voids: the grammar {grammar.name} states house_area/2, which holds of whole "
-            "rectangles: leave out the voids, or take another grammar"
+            f"brief: outline.voids: the grammar {grammar.name} states house_area/2, which applies only to "
+            "rectangular houses: leave out the voids, or choose another grammar"
         )
     if loaded.has_area and loaded.outdoor:
         raise RequestError(f"brief: {OUTDOOR_AREA.format(grammar.name)}")
     if metres(loaded.placer, loaded.furniture)["wholes"]:
         raise RequestError(
             f"brief: the grammar {grammar.name} states whole_area/3, the area of rooms with their parts, "
-            "which a brief cannot keep: say the areas in the brief, and take a grammar without it"
+            "which a brief cannot satisfy: state the areas in the brief, and choose a grammar without this "
+            "clause"
         )
     if loaded.has_area and loaded.placer.wall_thickness:
         raise RequestError(
-            f"brief: the grammar {grammar.name} states house_area/2 and wall_thickness/2, and no brief "
-            "has both: take another grammar"
+            f"brief: the grammar {grammar.name} states house_area/2 and wall_thickness/2, and a brief does "
+            "not support both: choose another grammar"
         )

@@ -52,7 +52,7 @@ class Builder:
         self.at_work = self
         """Builder that made the last house: this builder, or one without some typical rules."""
         if cell and self.loaded.depths:
-            raise RequestError("cell: units of a house lie on no grid yet: leave cell out")
+            raise RequestError("cell: houses of units do not support a grid: leave cell out")
         feasibility = Feasibility(grammar, self.placer, self.loaded.lengths, self.loaded.house_facts)
         if grammar.shares_walls:
             rules = PlanRules(grammar, self.loaded, feasibility, self.programs)
@@ -123,7 +123,7 @@ class Builder:
         if request.given and not self.grammar.shares_walls:
             raise RequestError(
                 f"{'plan' if request.plan else 'brief'}: a house of the grammar {self.grammar.name} is a "
-                "star around a main room: take rules for rooms that share walls, as --grammar home"
+                "star around a main room: use a grammar whose rooms share walls, as --grammar home"
             )
         self.require_known(request)
         given = request.given

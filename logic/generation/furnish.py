@@ -97,7 +97,7 @@ class Frame:
             if max(abs(entrance[axis] - line), abs(entrance[axis + 2] - line)) < TOLERANCE
         ]
         if not on:
-            raise ValueError(f"the entrance of the {room.type} lies on none of its walls")
+            raise ValueError(f"the entrance of the {room.type} is not on its walls")
         self.side = on[0]
         self.x, self.y = sides[self.side]
         across = self.side in ("north", "south")
@@ -125,7 +125,7 @@ class Frame:
             span = (front, back)
         wall = min(walls, key=lambda each: abs(walls[each]))
         if abs(walls[wall]) > TOLERANCE:
-            raise ValueError(f"a door or window of the {type_} lies on none of its walls")
+            raise ValueError(f"a door or window of the {type_} is not on its walls")
         return wall, span
 
     def _own(self, box: Box) -> Box:

@@ -74,9 +74,11 @@ def given_plan_rules(
     if loaded.has_area and loaded.outdoor:
         raise RequestError(f"plan: {OUTDOOR_AREA.format(grammar.name)}")
     if loaded.depths:
-        raise RequestError(f"plan: {grammar.name} has units, which no plan of your own has")
+        raise RequestError(
+            f"plan: {grammar.name} has units, which given plans do not support: choose another grammar"
+        )
     if lengths_of(loaded.placer, loaded.furniture)["doors"]:
-        why = "states door_width/3, widths by the types of both rooms: no plan of your own has them yet"
+        why = "states door_width/3, widths by the types of both rooms, which given plans do not support"
         raise RequestError(f"plan: the grammar {grammar.name} {why}: leave these clauses out")
     rules, plan = grammar.for_own_plan(), within_walls(plan, loaded.placer.wall_thickness)
     types = sorted(loaded.furniture)

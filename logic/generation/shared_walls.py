@@ -54,7 +54,7 @@ LARGER = "another seed, or larger rooms (room_size/3, room_area/3)"
 WIDER = "give them a wider range of areas (room_area/3)"
 """Advice for areas of rooms that cannot be decided."""
 
-NO_FIXED = "keep: these are rooms of a star, which do not share walls: leave keep out"
+NO_FIXED = "keep: these are rooms of a star, which do not share walls: leave out keep"
 
 R = TypeVar("R", bound=Rect)
 
@@ -206,9 +206,9 @@ class PlanDraft:
         self.failures += 1
         if self.failures == MOST_TRIES:
             raise LimitReached(
-                f"{MOST_TRIES} times a room could not be furnished at its size (the last time "
-                f"{failure.room.name}, {failure}), though it might be otherwise: try {self.rules.advice}. "
-                f"{account.refutations}"
+                f"after {MOST_TRIES} attempts, some room could not be furnished at its sampled size (most "
+                f"recently {failure.room.name}, {failure}), but other sizes might work: try "
+                f"{self.rules.advice}. {account.refutations}"
             )
 
 

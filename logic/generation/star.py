@@ -139,9 +139,7 @@ class StarDraft:
                 furniture = program.sample(work.rng, assumed, nogoods=self.nogoods[program])
             except TooMany:
                 ease = EASE[FURNITURE]
-                raise LimitReached(
-                    f"no furniture of {article(type_)} was found in time: to ease it, {ease}"
-                ) from None
+                raise LimitReached(f"no furniture of {article(type_)} was found in time: {ease}") from None
             if furniture is None:
                 self.unfurnishable.add(type_)
                 return None
@@ -169,14 +167,14 @@ class StarDraft:
 
     def _misfit(self) -> str:
         """Return a message about rooms that do not fit, with advice."""
-        area = "the sampled rooms did not leave the main room the area that is left of house_area/2"
+        area = "the sampled rooms left the main room an area outside house_area/2"
         if not self._request.fixed:
-            return f"{area}, though others might: try another seed, number of rooms, or wider bounds"
+            return f"{area}, but others might fit: try another seed, another number of rooms, or wider bounds"
         between = "the sampled rooms did not fit between the fixed rooms"
         found = (
             f"{between}, or {area.removeprefix('the sampled rooms ')}" if self._loaded.has_area else between
         )
-        return f"{found}, though smaller ones might: try another seed, fewer rooms or smaller types"
+        return f"{found}, but smaller ones might: try another seed, fewer rooms or smaller types"
 
 
 def _sized(layout: Layout, sizes: Iterable[Sequence[Any]]) -> Layout:

@@ -16,8 +16,8 @@ from vitruvius.logic.house.promises import Promises
 from vitruvius.logic.language.loaded import LoadedGrammar
 
 NO_PLAN = (
-    "a house of {rooms} rooms by this topology is no plan: {fault}: rooms fill what they enclose, and of two "
-    "lines one comes first by the rooms between them or by court/2: see docs/plans.md"
+    "a house of {rooms} rooms by this topology is not a valid plan: {fault}: rooms must fill the outline, "
+    "and the rooms between two lines, or court/2, must order the lines: see docs/plans.md"
 )
 
 OF_PLANS = ("rooms", "doors", "windows")

@@ -163,8 +163,8 @@ class UnitsDraft:
         while True:
             if self._tries == MOST_TRIES:
                 raise LimitReached(
-                    f"{MOST_TRIES} times a unit had no rooms that fit, though others might: try another "
-                    f"seed, or other depths (unit_depth/1). {self.placer.account.refutations}"
+                    f"after {MOST_TRIES} attempts, the rooms of some unit did not fit, but others might: "
+                    f"try another seed, or other depths (unit_depth/1). {self.placer.account.refutations}"
                 )
             self._tries += 1
             self.placer.account.at(LAYOUT, "the units of the house (clingo)")

@@ -269,7 +269,7 @@ class House(msgspec.Struct, frozen=True):
         if self.format != FORMAT:
             if self.free_walls:
                 raise ValueError(
-                    f"files of the format {self.format} have no free walls: write it as {FORMAT}"
+                    f"the format {self.format} does not support free walls: write the house as {FORMAT}"
                 )
             return star_record(self.star, self.format, self.provenance)
         openings = self.doors, self.windows

@@ -127,7 +127,7 @@ def _fault_of_rows(rows: tuple[str, ...]) -> str:
     """Return the reason why these are not rows of a map; empty if they are."""
     for number, row in enumerate(rows):
         if not RUNS.fullmatch(row):
-            return f"row {number} is no row of cells such as 12#30.2?"
+            return f"row {number} is not a row of cells such as 12#30.2?"
     if (runs := sum(row.count(letter) for row in rows for letter in LETTERS)) > MAX_RUNS:
         return _too_many_runs(runs)
     widths = list(map(_width, rows))

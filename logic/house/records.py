@@ -83,7 +83,7 @@ def _known(record: dict[str, Any]) -> dict[str, Any]:
     if lacking:
         raise msgspec.ValidationError(
             f"it names no format, and its rooms have {', '.join(map(str, [*first][:5])) or 'nothing'}, not "
-            f"{', '.join(lacking)}: of another program, as it looks: give its rooms as GeoJSON"
+            f"{', '.join(lacking)}: another program seems to have written it: give its rooms as GeoJSON"
         )
     return record
 
@@ -106,9 +106,9 @@ def _require_names(house: Record) -> None:
     spaces = [*names, OUTSIDE]
     name, times = names.most_common(1)[0]
     if times > 1:
-        raise msgspec.ValidationError(f"rooms: the name {name} stands twice")
+        raise msgspec.ValidationError(f"rooms: the name {name} appears twice")
     if OUTSIDE in names:
-        raise msgspec.ValidationError(f"rooms: no room is named {OUTSIDE}: that is where an entrance leads")
+        raise msgspec.ValidationError(f"rooms: a room must not be named {OUTSIDE}: entrances lead there")
     used = [("hub", house.hub, names)] if house.hub else []
     used += [(f"doors[{i}]", name, spaces) for i, door in enumerate(house.doors) for name in door.between]
     used += [(f"{room.name}.part_of", room.part_of, names) for room in house.rooms if room.part_of]
@@ -120,7 +120,7 @@ def _require_names(house: Record) -> None:
     for room in house.rooms:
         if room.part_of == room.name or room.part_of in parts:
             raise msgspec.ValidationError(
-                f"{room.name}.part_of: {room.part_of} is itself a part: name the room that has it"
+                f"{room.name}.part_of: {room.part_of} is itself a part: name the room that contains it"
             )
     for index, door in enumerate(house.doors):
         if door.between[0] == door.between[1]:
@@ -152,10 +152,10 @@ def _require_sizes(house: Record, in_star: bool) -> None:
     if thick := house.wall_thickness:
         if kind_of(house.topology) is not Kind.SHARED_WALLS:
             kind = MAP if house.topology == MAP else STAR
-            raise msgspec.ValidationError(f"wall_thickness: the walls of a {kind} have none: leave it out")
+            raise msgspec.ValidationError(f"wall_thickness: a {kind} does not support it: leave it out")
         if not 0 < thick.inner <= thick.outer <= FARTHEST:
             said = f"{thick.inner} and {thick.outer}"
-            why = "must be more than 0 m, and no more for inner walls than for outer ones"
+            why = "must be more than 0 m, and inner walls must not be thicker than outer ones"
             raise msgspec.ValidationError(f"wall_thickness: {why}, not {said}")
     for index, wall in enumerate(house.walls):
         if not all(abs(value) <= FARTHEST for value in (wall.x1, wall.y1, wall.x2, wall.y2)):
@@ -186,12 +186,16 @@ def _require_map(house: Record) -> None:
     """Raise an error for a map that cannot be read, and if the map and the topology contradict each other."""
     grid = house.occupancy
     if (grid is None) != (kind_of(house.topology) is not Kind.MAP):
-        raise msgspec.ValidationError(f"occupancy: a house of the topology {MAP} has one, no other")
+        raise msgspec.ValidationError(
+            f"occupancy: only a house of the topology {MAP} may have it, and needs it"
+        )
     if grid is None:
         return
     if fault := grid.fault():
         raise msgspec.ValidationError(f"occupancy: {fault}")
     if house.doors or house.windows:
-        raise msgspec.ValidationError("doors, windows: a map has none, its walls are those of its cells")
+        raise msgspec.ValidationError("doors, windows: a map has none, because its cells are its walls")
     if max(abs(a - b) for a, b in zip(house.rooms[0].box, grid.box, strict=True)) > TOLERANCE:
-        raise msgspec.ValidationError(f"{house.rooms[0].name}: the first room of a map is all of it")
+        raise msgspec.ValidationError(
+            f"{house.rooms[0].name}: the first room of a map must cover the whole map"
+        )

@@ -18,7 +18,7 @@ EASE = {
     LAYOUT: "ask for fewer rooms, or let the rules require less of types, doors and neighbours",
     LENGTHS: "ask for fewer rooms, or give these lengths wider bounds",
     FURNITURE: "try another seed, require fewer pieces, or larger rooms",
-    PROOF: "ask for fewer rooms, or require less, so that less is to be proved",
+    PROOF: "ask for fewer rooms, or fewer requirements, so that the proof is smaller",
 }
 """Remedy for each stage."""
 
@@ -103,11 +103,11 @@ class Account:
         """Return the current stage, the refuted layouts with reasons, and a remedy."""
         if not self.stage:
             return ""
-        said = f"It was at work on {self._at}."
+        said = f"The last step was {self._at}."
         if self.stage == LAYOUT and not self._layouts:
-            said += " None was found yet, nor proved impossible."
+            said += " None was found, and none was proved impossible."
         ease = EASE[LENGTHS if self._by else self.stage]
         if self.has_area and self.stage in BY_AREA:
             ease += ", or give house_area/2 wider bounds"
         refutations = self.refutations and f" {self.refutations}"
-        return f"{said}{refutations}{chr(10) if self._by else ' '}To ease it, {ease}."
+        return f"{said}{refutations}{chr(10) if self._by else ' '}To make it easier, {ease}."

@@ -179,7 +179,7 @@ def _faults(data: Any, under: Looks) -> Iterator[Fault]:
     """Yield the faults of a file, by their place in it."""
     keys = [*Looks.__dataclass_fields__]
     if not isinstance(data, _Pairs):
-        yield (), f"an object is expected, of {', '.join(keys)}"
+        yield (), f"expected an object with {', '.join(keys)}"
         return
     yield from _twice((), data)
     symbols = set(under.symbols) | {
@@ -189,7 +189,7 @@ def _faults(data: Any, under: Looks) -> Iterator[Fault]:
         if key not in keys:
             yield (key,), f"there is no {key}{_meant(key, keys)}"
         elif not isinstance(pairs, _Pairs):
-            yield (key,), f"{key}: an object is expected, with a value for each name"
+            yield (key,), f"{key}: expected an object with a value for each name"
         else:
             yield from _twice((key,), pairs)
             for name, value in pairs:
@@ -202,7 +202,7 @@ def _twice(where: Where, pairs: _Pairs) -> Iterator[Fault]:
     for key in {
         one for (one, _), (other, _) in pairwise(sorted(pairs, key=lambda pair: pair[0])) if one == other
     }:
-        yield (*where, key), f"{key} stands twice: keep one of them"
+        yield (*where, key), f"{key} appears twice: keep one of them"
 
 
 def _wrong(key: str, name: str, value: Any, symbols: set[str]) -> Iterator[Fault]:
@@ -213,14 +213,14 @@ def _wrong(key: str, name: str, value: Any, symbols: set[str]) -> Iterator[Fault
     elif key == "pieces" and not (isinstance(value, str) and value in symbols):
         why = f"there is no symbol {shown}{_meant(str(value), symbols)}"
     elif key == "names" and not (isinstance(value, str) and re.fullmatch(r"\S[^\n]{0,39}", value)):
-        why = f"{shown} is no name: some words, at most 40 letters"
+        why = f"{shown} is not a name: give words with at most 40 letters"
     elif key == "heights" and not (_is_number(value) and 0 < value <= 10):
-        why = f"{shown} is no height: metres, more than 0 and at most 10"
+        why = f"{shown} is not a height: give metres, more than 0 and at most 10"
     elif key == "symbols" and isinstance(value, list):
         wrong = ((index, _wrong_form(form)) for index, form in enumerate(value))
         yield from (((name, index), words) for index, words in wrong if words)
     elif key == "symbols":
-        why = 'a list of forms is expected, as [["line", [0, 0.5, 1, 0.5]]]'
+        why = 'expected a list of forms, as [["line", [0, 0.5, 1, 0.5]]]'
     if why:
         yield (name,), why
 
@@ -228,9 +228,9 @@ def _wrong(key: str, name: str, value: Any, symbols: set[str]) -> Iterator[Fault
 def _wrong_colour(value: Any) -> str:
     if not (isinstance(value, str) and re.fullmatch("#[0-9a-fA-F]{6}", value)):
         shown = json.dumps(value)
-        return f'{shown} is no colour: write it as "#dbe6f4", two digits each of red, green and blue'
+        return f'{shown} is not a colour: write it as "#dbe6f4", two digits each of red, green and blue'
     if (found := contrast(value, INK)) < READABLE:
-        return f"words cannot be read on {value}: their contrast to it is {found:.1f}, less than {READABLE}"
+        return f"text is not readable on {value}: the contrast is {found:.1f}, less than {READABLE}"
     return ""
 
 

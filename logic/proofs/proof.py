@@ -47,7 +47,7 @@ class Prover:
         """Return the proof that a request has no house, by the evidence that stage 1 has no layout."""
         request = found.request
         self._of.placer.account.at(
-            PROOF, f"why there is no house with {request}: that there is none is proved"
+            PROOF, f"why there is no house with {request}: the proof that none exists is complete"
         )
         question, statements, refuted = asked(found)
         if request.states_rooms:  # Typical rules have given way.

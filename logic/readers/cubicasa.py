@@ -77,7 +77,7 @@ def read_cubicasa(content: bytes, _: Any, storey: str | None) -> Sketch:
         elif words:
             spaces.append(Space(words[0], (" ".join(words), words[0]), polygon))
             units += _units(group, polygon)
-    guessed = "" if units else f"no label says the size of a room, so a pixel is taken to be {PIXEL:g} m"
+    guessed = "" if units else f"no label states the size of a room: assuming {PIXEL:g} m per pixel"
     return Sketch(FORMAT, spaces, doors, list(windows), median(units) if units else PIXEL, guessed=guessed)
 
 

@@ -107,7 +107,7 @@ def read_geojson(
     require_few(len(rooms), len(others))
     if not rooms:
         beside = f", but {_counted(passed)}" if passed else ""
-        raise RequestError(f"plan: it has no polygon that is a room{beside}")
+        raise RequestError(f"plan: it has no polygon of a room{beside}")
     drawn, unknown = list[tuple[Feature, Space]](), set[str]()
     for each in rooms:
         name = _name(each)
@@ -132,10 +132,10 @@ def read_geojson(
     ]
     windows = [some for what, some in openings if what == "window"]
     if passed:
-        notes.append(f"passed over beside the rooms: {_counted(passed)}")
+        notes.append(f"ignored beside the rooms: {_counted(passed)}")
     if unknown:
         some = ", ".join(sorted(unknown)[:8])
-        notes.append(f"words of no known type, so these rooms may have any: {some}")
+        notes.append(f"words of no known type, so these rooms may have any type: {some}")
     return Sketch(FORMAT, spaces, doors, windows, north_up=True, noise=noise), notes
 
 
@@ -146,10 +146,10 @@ def _feature(feature: Any, number: int, passed: Counter[str]) -> Feature | None:
     """
     where = f"plan: features[{number}]"
     if not isinstance(feature, Mapping):
-        raise RequestError(f"{where}: is no feature, but {type(feature).__name__}")
+        raise RequestError(f"{where}: must be a feature, not {type(feature).__name__}")
     properties, geometry = feature.get("properties") or {}, feature.get("geometry")
     if not isinstance(properties, Mapping):
-        raise RequestError(f"{where}: its properties are no object, but {type(properties).__name__}")
+        raise RequestError(f"{where}: its properties must be an object, not {type(properties).__name__}")
     kind = geometry.get("type") if isinstance(geometry, Mapping) else None
     what = _what(properties, kind in GEOMETRIES)
     if properties.get("kind") in OTHER_KINDS:
@@ -299,7 +299,7 @@ def _flat(shapes: Sequence[shapely.Polygon], unit: str | None) -> tuple[Any, lis
         return (lambda some: shapely.transform(some, project)), [said], _rounding(shapes)
     if middle < SMALLEST:
         size = f"half of the rooms' sides are shorter than {middle:.2g} {unit or 'm'}"
-        raise RequestError(f"plan: {size}: these are not rooms in metres: say --plan-unit")
+        raise RequestError(f"plan: {size}: these are not rooms in metres: give --plan-unit")
     if middle > LARGEST:
         size = f"half of the rooms' sides are longer than {middle / factor:,.0f}"
         guess = {"mm": middle > 700, "cm": middle > 100}

@@ -60,7 +60,7 @@ def _unpacked(content: bytes) -> bytes:
     except ValueError as error:
         raise RequestError(f"plan: {error}") from None
     if not content.lstrip().startswith(b"ISO-10303-21"):
-        raise RequestError(f"plan: {name} of the archive is no IFC in the form of STEP: export it as .ifc")
+        raise RequestError(f"plan: {name} of the archive is not IFC in STEP form: export it as .ifc")
     return content
 
 

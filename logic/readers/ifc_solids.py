@@ -46,7 +46,7 @@ def solids(content: bytes, named: str | None = None) -> Solids:
     spaces, doors, windows = (list(model.by_type(each)) for each in ("IfcSpace", "IfcDoor", "IfcWindow"))
     spaces = [each for each in spaces if not _is_whole(each)]
     if not spaces:
-        raise RequestError("plan: IFC has an IfcSpace for each room: it has none: export it with spaces")
+        raise RequestError("plan: the IFC file has no IfcSpace, one for each room: export it with spaces")
     solids = [_solid(each) for each in spaces]
     floors = [_floor(model, *each) for each in zip(spaces, solids, strict=True)]
     places = _of_storey(spaces, floors, named)
@@ -162,7 +162,7 @@ def _solid(product: Any) -> Triangles:
 def _required(product: Any, solid: Triangles) -> Triangles:
     if not len(solid):
         what = f"{product.is_a()} {getattr(product, 'LongName', None) or product.Name or product.GlobalId}"
-        raise RequestError(f"plan: {what} has no solid that can be read: give it one, or leave it out")
+        raise RequestError(f"plan: {what} has no readable solid: give it one, or leave it out")
     return solid
 
 

@@ -94,7 +94,7 @@ def _geometry(feature: Any) -> Geometry:
     try:
         return shape(feature["geometry"])
     except (shapely.errors.ShapelyError, ValueError, TypeError, KeyError, IndexError, AttributeError):
-        raise RequestError(f"plan: the geometry of {_kind(feature)} {feature.get('id')} is none") from None
+        raise RequestError(f"plan: the geometry of {_kind(feature)} {feature.get('id')} is invalid") from None
 
 
 def _kind(feature: Any) -> Any:
@@ -119,7 +119,7 @@ def _unpacked(content: bytes) -> list[Any]:
                 found = from_json(member_of(archive, name))["features"]
             except (ValueError, KeyError, TypeError) as error:
                 why = f": {error}" if isinstance(error, ValueError) else ""
-                raise RequestError(f"plan: {name} of the archive is no collection of features{why}") from None
+                raise RequestError(f"plan: {name} of the archive is not a feature collection{why}") from None
             features += found if isinstance(found, list) else []
     return features
 

@@ -70,29 +70,31 @@ def regular(sketch: Sketch, unit: str | None, snap: float, types: Collection[str
     remedy, if no house file can hold the sketch.
     """
     noise = max(snap, sketch.noise, 0.01)
-    notes = [f"{sketch.guessed}: if it is not, say --plan-unit"] if sketch.guessed and not unit else []
+    notes = [f"{sketch.guessed}: if this is wrong, give --plan-unit"] if sketch.guessed and not unit else []
     kinds = [kind_of(space, types) for space in sketch.spaces]
     spaces = [each for each, (kind, _) in zip(sketch.spaces, kinds, strict=True) if kind != NO_ROOM]
     others = [each for each, (kind, _) in zip(sketch.spaces, kinds, strict=True) if kind == NO_ROOM]
     if not spaces or len(spaces) > MOST_ROOMS:
         raise RequestError(
-            f"plan: {sketch.format} has {numbered(len(spaces), 'room')}: 1 to {MOST_ROOMS:,} are read"
+            f"plan: {sketch.format} has {numbered(len(spaces), 'room')}: give 1 to {MOST_ROOMS:,}"
         )
     unknown = sorted(
         {space.words[0] for space, (_, known) in zip(sketch.spaces, kinds, strict=True) if not known}
     )
     if unknown:
-        notes.append(f"words of no known type, so these rooms may have any: {', '.join(unknown[:8])}")
+        notes.append(f"words of no known type, so these rooms may have any type: {', '.join(unknown[:8])}")
     require_plain([*(each.shape for each in sketch.spaces), *(each.shape for each in sketch.passages)])
     metres = metres_to(unit) if unit else sketch.unit
     _require_sizes([each.shape for each in spaces], metres, sketch.format, unit)
     turn = _turn([affinity.scale(each.shape, metres, metres, origin=(0, 0)) for each in spaces])
     if abs(turn) > TURNED:
-        notes.append(f"turned back by {turn:.1f} degrees, so that its walls run along the axes")
+        notes.append(f"rotated by {turn:.1f} degrees, so that walls run along the axes")
     upright = _upright(spaces, metres, turn if abs(turn) > TURNED else 0.0, sketch.north_up)
     inner, others = _surrounded(spaces, others, upright)
     if inner:
-        notes.append(f"between rooms, so that they may be any: {', '.join(each.name for each in inner[:8])}")
+        notes.append(
+            f"between rooms, so they may have any type: {', '.join(each.name for each in inner[:8])}"
+        )
     if others:
         notes.append(passed_over(others))
     spaces += [Space(each.name, (ANY,), each.shape) for each in inner]
@@ -145,7 +147,7 @@ def regular(sketch: Sketch, unit: str | None, snap: float, types: Collection[str
 
 def passed_over(others: Iterable[Space]) -> str:
     """Return the note on areas that are no rooms."""
-    return f"passed over, as they are no rooms: {', '.join(sorted({each.name for each in others})[:8])}"
+    return f"ignored, because they are not rooms: {', '.join(sorted({each.name for each in others})[:8])}"
 
 
 def bounds_of(shape: Geometry) -> Box:
@@ -199,7 +201,7 @@ def _require_sizes(shapes: Sequence[Polygon], metres: float, format: str, unit: 
     middle = median(sides)
     if not SIZES[0] <= middle <= SIZES[1]:
         off = "shorter" if middle < 1 else "longer"
-        why = f"{unit} is not its unit: say another" if unit else "these are not rooms in metres: say"
+        why = f"{unit} is not its unit: give another with" if unit else "these are not rooms in metres: give"
         raise RequestError(
             f"plan: half of the sides of rooms of {format} are {off} than {middle:.2g} m: {why} --plan-unit"
         )

@@ -50,7 +50,7 @@ def read_resplan(_: bytes, record: Any, storey: str | None) -> Sketch:
     found = Sketch(FORMAT, spaces, doors, list(shapes.get("window", [])), has_walls=True)
     if isinstance(area, int | float) and area > 0 and inner > 0:
         return found._replace(unit=(float(area) / inner) ** 0.5)
-    return found._replace(guessed="it has no area that says its unit, so that is taken to be a metre")
+    return found._replace(guessed="it has no area that reveals its unit: assuming metres")
 
 
 def _is_geometry(value: Any) -> bool:
@@ -61,4 +61,4 @@ def _geometry(key: str, value: Any) -> Geometry:
     try:
         return shape(value)
     except (shapely.errors.ShapelyError, ValueError, TypeError, KeyError, IndexError, AttributeError):
-        raise RequestError(f"plan: {key} of {FORMAT} is no geometry of GeoJSON") from None
+        raise RequestError(f"plan: {key} of {FORMAT} is not a GeoJSON geometry") from None

@@ -152,8 +152,8 @@ def chosen(names: Sequence[str], storey: str | None, floors: Sequence[float] = (
         if len(storeys) == 1:
             return 0
         raise RequestError(
-            f"plan: it has {len(storeys)} storeys with rooms ({listed(storeys)}): say which, as in --storey "
-            f"{quoted(storeys[0])}"
+            f"plan: it has {len(storeys)} storeys with rooms ({listed(storeys)}): choose one, as in "
+            f"--storey {quoted(storeys[0])}"
         )
     same = [place for place, each in enumerate(storeys) if each.casefold() == storey.strip().casefold()]
     if not same and floors and METRES.fullmatch(storey.strip()):

@@ -60,7 +60,7 @@ def polygon_in(group: Element, at: Matrix) -> Polygon | None:
             except RequestError:
                 raise
             except (shapely.errors.ShapelyError, ValueError):
-                raise RequestError(f"plan: the polygon of {_called(group)} is none") from None
+                raise RequestError(f"plan: the polygon of {_called(group)} is invalid") from None
     return None
 
 

@@ -37,7 +37,9 @@ def metres_to(unit: str) -> float:
     except ValueError:
         metres = 0.0
     if not 0 < metres < MOST:
-        raise RequestError(f"plan unit {unit}: one of {', '.join(UNITS)}, or metres to a unit, as in 0.02")
+        raise RequestError(
+            f"plan unit {unit}: give one of {', '.join(UNITS)}, or metres per unit, as in 0.02"
+        )
     return metres
 
 
@@ -48,7 +50,7 @@ def plane(shapes: Sequence[Geometry]) -> Any:
     """
     lon, lat = shapely.union_all(shapes).centroid.coords[0]
     if not (abs(lon) <= 180 and abs(lat) < 89):
-        raise ValueError(f"{lon:g}, {lat:g} are no degrees of longitude and latitude")
+        raise ValueError(f"{lon:g}, {lat:g} are not degrees of longitude and latitude")
     curve = 1 - ECCENTRICITY * sin(radians(lat)) ** 2
     east = radians(1) * EQUATOR / sqrt(curve) * cos(radians(lat))
     north = radians(1) * EQUATOR * (1 - ECCENTRICITY) / curve**1.5

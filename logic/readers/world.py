@@ -162,7 +162,7 @@ def _house(
     solid = shapely.union_all([part for each in solids for part in polygons(each)])
     floor = [part for shape in shapes for each in polygons(shape) for part in polygons(each - solid)]
     if not floor:
-        raise ValueError("it has no polygon that is floor")
+        raise ValueError("it has no polygon of floor")
     all_doors = [*doors, *entrances]
     beside = shapely.STRtree(floor).query(np.array(all_doors, object), "dwithin", SAME)[0]
     opened = [all_doors[k] for k in np.flatnonzero(np.bincount(beside) > 1)]

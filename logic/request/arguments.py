@@ -70,7 +70,7 @@ def house_request(rooms: int | tuple[int, int] | None = None, **stated: Unpack[S
     if rooms is None and (given := brief or plan):
         rooms = len(given.rooms)
     if rooms is None:
-        raise RequestError("rooms: say how many, as in --rooms 6, or give a plan of them, as in --plan FILE")
+        raise RequestError("rooms: give a number, as in --rooms 6, or a plan, as in --plan FILE")
     least, most = range_of(rooms)
     made = HouseRequest(
         least,
@@ -105,5 +105,5 @@ def _plan_and_fixed(stated: Stated, rules: Grammar) -> tuple[OwnPlan | None, tup
             )
         return keeping(plan, keep), ()
     if not keep.secondary:
-        raise RequestError('keep: the house has no room to keep: name some, as in keep=house.only("R0")')
+        raise RequestError('keep: the house has no room to keep: name rooms, as in keep=house.only("R0")')
     return plan, tuple(fixed_rooms(keep))

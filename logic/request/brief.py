@@ -147,7 +147,7 @@ def read_brief(source: str | Path | Mapping[str, Any] | Brief) -> Brief:
         except OSError as error:
             raise RequestError(f"brief: {source} cannot be read: {error.strerror}") from None
         except ValueError as error:
-            raise RequestError(f"brief: {source} is no JSON: {error}") from None
+            raise RequestError(f"brief: {source} is not JSON: {error}") from None
     try:
         brief = source if isinstance(source, Brief) else msgspec.convert(source, Brief)
     except msgspec.ValidationError as error:
@@ -207,7 +207,7 @@ def length_range(span: Span, tolerance: float) -> tuple[int, int]:
 def _require_sense(brief: Brief) -> None:
     """Raise ``RequestError`` for a brief that makes no sense."""
     if not 1 <= len(brief.rooms) <= MOST_ROOMS:
-        raise RequestError(f"brief: rooms: 1 to {MOST_ROOMS} rooms, not {len(brief.rooms)}")
+        raise RequestError(f"brief: rooms: give 1 to {MOST_ROOMS} rooms, not {len(brief.rooms)}")
     names = brief.names
     for number, room in enumerate(brief.rooms):
         where = f"brief: rooms[{number}]"
@@ -216,7 +216,7 @@ def _require_sense(brief: Brief) -> None:
                 f"{where}: rooms[{names.index(room.name)}] is named {room.name} too: give each its own name"
             )
         if room.name == OUTSIDE:
-            raise RequestError(f"{where}: {OUTSIDE} is no name of a room")
+            raise RequestError(f"{where}: a room must not be named {OUTSIDE}")
         _require_span(f"{where} ({room.name}): area", room.area, LARGEST_ROOM)
         for side in room.size or ():
             _require_span(f"{where} ({room.name}): size", side)
@@ -242,15 +242,13 @@ def _require_sense(brief: Brief) -> None:
         for name, span in (("width", void.width), ("depth", void.depth)):
             _require_span(f"{where}: {name}", span)
             if span is not None and bounds(span, 0)[1] < LEAST_VOID:
-                raise RequestError(f"{where}: {name}: a void is {LEAST_VOID:g} m wide and deep or more")
+                raise RequestError(f"{where}: {name}: a void must be at least {LEAST_VOID:g} m wide and deep")
         for name, span in (("x", void.x), ("y", void.y)):
             _require_span(f"{where}: {name}", span, is_place=True)
         if void.corner and (void.x is not None or void.y is not None):
-            raise RequestError(f"{where}: a notch at a corner is there: leave out x and y, or corner")
+            raise RequestError(f"{where}: a corner sets the place of the notch: leave out x and y, or corner")
         if brief.area is not None and None in (void.width, void.depth):
-            raise RequestError(
-                "brief: area: a house with voids has an area where these have a width and a depth"
-            )
+            raise RequestError("brief: area: a house with voids needs a width and a depth of each void")
 
 
 def _require_pairs(key: str, pairs: Sequence[Pair], names: Sequence[str]) -> None:
@@ -269,7 +267,7 @@ def _require_span(where: str, span: Span | None, largest: float = LONGEST, *, is
     least, most = span if isinstance(span, tuple) else (span, span)
     unit = "m" if largest == LONGEST else "m²"
     if least > most:
-        words = f"the least comes first: [{most:g}, {least:g}], not [{least:g}, {most:g}]"
+        words = f"the smaller number comes first: [{most:g}, {least:g}], not [{least:g}, {most:g}]"
     elif least < 0 or (least == 0 and not is_place):
         words = f"must be {'at least 0' if is_place else 'above 0'}, not {least:g} {unit}"
     elif most > largest:

@@ -46,7 +46,7 @@ SNAP, MOST_SNAP = 0.01, 0.5
 MORE_SNAP = 0.02, 0.05, 0.1
 """Values of ``--snap`` that an error message may propose, metres."""
 
-HINT = "draw all rooms to the middle of their walls, or all of them from wall to wall"
+HINT = "draw all rooms to the centre lines of their walls, or all from wall to wall"
 
 HINT_OF_WALLS = (
     f"walls between rooms are {MOST_WALL:g} m thick at most: draw what lies there as part of a room"
@@ -87,7 +87,7 @@ def read_plan(
         return _plan(found, unit, snap, storey, types)
     except RequestError as error:
         if isinstance(found, Sketch) and (more := _snap_that_does(found, unit, snap, types)):
-            raise RequestError(f"{error}, or pass --snap {more:g}, with which this plan is read") from None
+            raise RequestError(f"{error}, or give --snap {more:g}, which reads this plan") from None
         raise
 
 
@@ -152,7 +152,7 @@ def keeping(plan: OwnPlan, house: House) -> OwnPlan:
     rooms = {room.name: room for room in house.tiles}
     places = {room.name: room.box for room in plan.rooms}
     if not rooms:
-        raise RequestError('keep: the house has no room to keep: name some, as in keep=house.only("R0")')
+        raise RequestError('keep: the house has no room to keep: name rooms, as in keep=house.only("R0")')
     for name, room in rooms.items():
         if (
             name not in places
@@ -199,7 +199,7 @@ def _from_file(path: Path, storey: str | None) -> House | Sketch | dict[str, Any
     if what := named(content):
         raise HouseFileError(f"{path}: {what}")
     if damage and path.suffix.lower().startswith(".geojson"):
-        raise HouseFileError(f"{path}: is no GeoJSON: {damage}")
+        raise HouseFileError(f"{path}: is not GeoJSON: {damage}")
     # The standard input is read once.
     houses = load(path, io.BytesIO(content) if path == STANDARD else None)
     if len(houses) > 1:
@@ -214,7 +214,7 @@ def _require_rooms(rooms: Sequence[Room]) -> None:
     names = [room.name for room in rooms]
     for room in rooms:
         if names.count(room.name) > 1 or room.name == OUTSIDE:
-            raise RequestError(f"plan: the name {room.name!r} is another room's: give each room its own")
+            raise RequestError(f"plan: two rooms are named {room.name!r}: give each room its own name")
         if not max(map(abs, room.box)) <= FARTHEST or min(room.width, room.height) < TOLERANCE:
             size = f"{room.width:g} by {room.height:g} m at x {room.x:g}, y {room.y:g}"
             raise RequestError(
@@ -245,7 +245,7 @@ def _covers(plan: OwnPlan) -> Iterator[str]:
         elif held:
             names = ", ".join(each.name for each in held[:3])
             more = f" and {len(held) - 3} more" if len(held) > 3 else ""
-            yield f"{room.name} has {names}{more} within it: is it an outline, and no room? Leave it out"
+            yield f"{room.name} has {names}{more} within it: if it is an outline, not a room, leave it out"
 
 
 def _within(inner: Box, outer: Box) -> bool:
@@ -287,7 +287,7 @@ def _gaps(plan: OwnPlan) -> Iterator[Fault]:
             west, north, east, south = gap.bounds
             wide = min(east - west, south - north)
             around = [room.name for room in plan.rooms if shapely.box(*room.box).distance(gap) < 1e-4]
-            size = f"{figure(gap.area)} m² between {', '.join(around)} are no room's"
+            size = f"{figure(gap.area)} m² between {', '.join(around)} belong to no room"
             yield Fault(f"{size}, {figure(wide, digits=3)} m wide", wide)
 
 
@@ -297,12 +297,12 @@ def _misplaced(plan: OwnPlan) -> Iterator[str]:
     for door in plan.doors:
         one, other = door.between
         if unknown := {one, other} - {OUTSIDE, *(room.name for room in plan.rooms)}:
-            yield f"a door is of {min(unknown)}, and there is no such room"
+            yield f"a door names {min(unknown)}, and there is no such room"
         elif plan.wall_of(door) is None:
-            yield f"the door between {one} and {other} is in no wall that they share"
+            yield f"the door between {one} and {other} is not in a wall that they share"
         if frozenset(door.between) in joined and not door.is_entrance:
             yield f"there are two doors between {one} and {other}: keep one of them"
         joined.add(frozenset(door.between))
     for window in plan.windows:
         if plan.wall_around(window) is None:
-            yield f"a window of {window.room} at x {window.x:g}, y {window.y:g} is in no wall of it"
+            yield f"a window of {window.room} at x {window.x:g}, y {window.y:g} is not in one of its walls"

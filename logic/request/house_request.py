@@ -95,12 +95,12 @@ class HouseRequest(msgspec.Struct, frozen=True, dict=True, forbid_unknown_fields
                 raise RequestError(f"{name}: it has {number} rooms, but rooms={wanted}: leave rooms out")
         for name, given in (("cell", self.cell), ("keep", self.fixed)):
             if self.plan and given:
-                raise RequestError(f"plan: all rooms have their places already: leave out {name} or plan")
+                raise RequestError(f"plan: all rooms already have a place: leave out {name} or plan")
         for name, given in (("plan", self.plan), ("keep", self.fixed)):
             if self.brief and given:
                 raise RequestError(f"brief: its rooms have no places yet: leave out {name} or brief")
         if self.brief and self.cell:
-            raise RequestError("cell: rooms of a brief lie on no grid yet: leave out cell or brief")
+            raise RequestError("cell: a brief does not support a grid: leave out cell or brief")
         if self.fixed and self.cell:
             raise RequestError("keep: fixed rooms need not lie on the grid: leave out cell or keep")
         if (fixed := len(self.fixed)) > self.rooms:

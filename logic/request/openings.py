@@ -52,7 +52,7 @@ def placed(plan: OwnPlan, drawn: Regular, noise: float) -> Placed:
     for opening in (piece for each in drawn.passages for piece in _pieces(each, inner)):
         found = _nearest(opening, [*inner, *outer])
         if found is None:
-            notes.append(f"a door at {_at(opening)} is in no wall: it is passed over")
+            notes.append(f"a door at {_at(opening)} is not in a wall: ignored")
             continue
         wall, start, end = found
         is_garden = wall.behind is None and (
@@ -73,13 +73,13 @@ def placed(plan: OwnPlan, drawn: Regular, noise: float) -> Placed:
             wall, start, end = found
             windows.append(Window(*_segment(wall, start, end - start), names[wall.room]))
         else:
-            notes.append(f"a window at {_at(opening)} is in no outer wall: it is passed over")
+            notes.append(f"a window at {_at(opening)} is not in an outer wall: ignored")
     if doors:
         doors += _joints(drawn, inner, names)
         if alone := _unreached(names, doors):
             some = f"{', '.join(alone[:3])}{' and others' if alone[3:] else ''}"
             if any(not each.is_open for each in drawn.passages):
-                notes.append(f"no door that is drawn leads to {some}: there may be more doors than these")
+                notes.append(f"no drawn door leads to {some}: doors may be added")
     kept = _entrance_first(list(_widest(doors, notes)), in_front, plan, [] if knows_entrance else notes)
     return Placed(tuple(kept), tuple(windows), bool(doors and alone), notes)
 
@@ -99,9 +99,9 @@ def _entrance_first(
         return doors
     entrance, *others = leading
     gardens = ", ".join(dict.fromkeys(map(_inner, others)))
-    are = "that of {} is a garden door" if len(others) == 1 else "those of {} are garden doors"
+    are = "the one of {} a garden door" if len(others) == 1 else "those of {} garden doors"
     notes.append(
-        f"{len(leading)} doors lead outside: that of {_inner(entrance)} is taken for the entrance, "
+        f"{len(leading)} doors lead outside: the one of {_inner(entrance)} becomes the entrance, "
         f"{are.format(gardens)}"
     )
     return sorted(doors, key=lambda door: door.is_entrance and door is not entrance)

@@ -71,7 +71,8 @@ def _lines(values: Sequence[float], within: float, axis: str) -> dict[float, flo
         if max(line - group[0], group[-1] - line) > max(within, TOLERANCE):
             raise RequestError(
                 f"plan: edges at {axis} {group[0]:g} to {group[-1]:g} m lie less than {within:g} m apart, "
-                "one after the other: which are one wall? Draw them on one line, or take a smaller --snap"
+                "one after the other: it is unclear which form one wall. Draw them on one line, or give a "
+                "smaller --snap"
             )
         lines |= dict.fromkeys(group, line)
     return lines

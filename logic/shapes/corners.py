@@ -91,7 +91,7 @@ def _sides(name: str, corners: Sequence[Point], noise: float) -> list[Side]:
             diagonals.append((one, other))
     if diagonals:
         raise RequestError(
-            f"plan: {name} has {_diagonal(diagonals)}: draw it in steps along the axes, or as a box"
+            f"plan: {name} has {_diagonal(diagonals)}: draw it as steps along the axes, or as a box"
         )
     return found
 

@@ -33,7 +33,7 @@ def room_boxes(rooms: Named, notes: list[str]) -> tuple[list[Room], list[tuple[s
 
     def say(place: int, strip: Polygon) -> None:
         name = rooms[parts[place][0]][0]
-        notes.append(f"{size_of(strip)} beside {name} are too narrow for a room, and taken as its floor")
+        notes.append(f"{size_of(strip)} beside {name} is too narrow for a room and becomes floor of {name}")
 
     between = [
         niche for number, niche in niches if any(touch(part, niche) for of, part in parts if of != number)
@@ -48,7 +48,9 @@ def room_boxes(rooms: Named, notes: list[str]) -> tuple[list[Room], list[tuple[s
         if shapely.intersects(free, niche.centroid) or any(touch(each, niche) for each in beside):
             parts.append((number, niche))
         else:
-            notes.append(f"a niche of {rooms[number][0]} of {size_of(niche)} is left out: a room is a box")
+            notes.append(
+                f"a niche of {rooms[number][0]} of {size_of(niche)} is left out: rooms are rectangles"
+            )
     for gap in gaps([shape for _, shape in parts]):
         for part in boxes(gap):
             of = max(range(len(parts)), key=lambda k: shapely.intersection(parts[k][1], part).length)
@@ -70,8 +72,8 @@ def room_boxes(rooms: Named, notes: list[str]) -> tuple[list[Room], list[tuple[s
         ]
         if len(own) > 1:
             notes.append(
-                f"{name} has {len(shape.exterior.coords) - 1} corners, and a room is a box: it is read as "
-                f"{len(own)} rooms, {', '.join(names)}"
+                f"{name} has {len(shape.exterior.coords) - 1} corners, and rooms are rectangles: it is read "
+                f"as {len(own)} rooms, {', '.join(names)}"
             )
     return found, joints
 

@@ -12,7 +12,7 @@ import msgspec
 from vitruvius.logic.errors import Reason
 from vitruvius.logic.grammar import RULES
 
-INSTEAD = "What could be instead, all other picks as they are"
+INSTEAD = "Alternatives, with all other picks unchanged"
 
 WHERE = {
     "along": "along its wall, from the near end",
@@ -130,7 +130,7 @@ def as_text(parts: Iterable[Why]) -> Iterator[str]:
             yield f"{part.target}: {part.about}"
         sections: dict[str, Iterable[Iterator[str]]] = {
             "Derived from facts and picks": [_tree(each, 1) for each in part.derivations],
-            "Lengths, and what they could have been": map(_length, part.lengths),
+            "Lengths, and their possible ranges": map(_length, part.lengths),
             "Bounds that are tight: both sides are equal here (floor: what the furniture leaves free)": map(
                 _bound, part.tight
             ),
@@ -210,7 +210,7 @@ def _choice(choice: Choice, new: bool) -> Iterator[str]:
 def _how(other: Alternative) -> str:
     """Return the conditions under which another value would be possible."""
     if not other.because and not other.known:
-        return "not with all other picks as they are; what forbids it was not found in time"
+        return "not with all other picks unchanged; the reason was not found in time"
     also = " and ".join(other.also)
     how = f"only if {also} changed too" if also else "impossible" if other.known else "not so"
     return f"{how}, because of"

@@ -101,7 +101,7 @@ def _read(file: Path) -> dict[str, Any]:
 @cache
 def _of_grammar(directory: str, digest: str, rooms: int) -> Promises:
     """Return the promises of houses with ``rooms`` rooms, by the rules with this hash."""
-    late = f"{directory}: its promises took more than {SECONDS:g} s"
+    late = f"{directory}: computing its promises took more than {SECONDS:g} s"
     worker = Solver(Open(grammar=directory))
     try:
         worker.loaded()

@@ -51,13 +51,11 @@ def explained(
     target_in(house, target)
     made = house.provenance
     if made is None:
-        raise HouseFileError(
-            "the house does not say which rules made it: generate writes that into its files"
-        )
+        raise HouseFileError("the house file does not name its rules: use a file written by generate")
     try:
         rules = find(grammar) if grammar else find_shipped(made.grammar)
     except GrammarError as error:
-        raise HouseFileError(f"{error}. Say by --grammar where the rules that made the house are") from None
+        raise HouseFileError(f"{error}. Name the rules that generated the house with --grammar") from None
     question = Explain(target=target, house=house.to_dict(), searching=seconds)
     opening = Open(grammar=str(rules.directory), cell=float(made.request.get("cell", 0.0)))
     late = f"{target} reached the limit of {seconds:g} seconds: raise it with --seconds"
@@ -75,7 +73,8 @@ def explained(
             raise
         ended = True
     share = (
-        f"what forbids {found} of {others} other values was not found in their share of {seconds:g} seconds"
+        f"the reasons against {found} of {others} other values were not found in their share of {seconds:g} "
+        "seconds"
     )
     if ended or tried < others:
         yield Why(target, "", limit=f"{late}. {tried} of {others} other values were tried")

@@ -119,11 +119,11 @@ def _fewest(wanted: Brief, house: Callable[[Brief], House]) -> list[Requirement]
             hitting.add(named)
         except LimitReached as late:
             without_ = f" without {numbered(len(out), 'line')} of it" if out else ""
-            raise LimitReached(f"whether the brief{without_} has a house was not found out: {late}") from None
+            raise LimitReached(f"the brief{without_} could not be decided: {late}") from None
         else:
             return out
     raise LimitReached(
-        f"the brief has {MOST_CONFLICTS} conflicts among its lines, and more: leave some of them out"
+        f"the brief has at least {MOST_CONFLICTS} conflicts among its lines: leave some lines out"
     )
 
 

@@ -62,7 +62,9 @@ def plan_nearest(request: HouseRequest, seed: int, index: int) -> NearestPlan:
         require_house(request)
     except Unsatisfiable as proof:
         opening = Open(grammar=str(request.rules.directory))
-        late = f"where else walls could be took {request.seconds:g} s: raise it with --seconds"
+        late = (
+            f"the search for other wall positions took {request.seconds:g} s: raise the limit with --seconds"
+        )
         [answer] = answers(opening, MovePlan(request=request, seed=seed), Moved, request.seconds, late)
         if answer.plan is None:
             raise

@@ -91,15 +91,15 @@ def described(request: HouseRequest) -> tuple[dict[str, str], Promises]:
     worker, name = _idle.take(key) or Solver(opening), request.rules.name
     try:
         _load(worker, key)
-        late = f"what the houses of {name} promise took {request.seconds:g} seconds"
+        late = f"computing the promises of {name} took {request.seconds:g} seconds"
         found, *others = (
             worker.asked(Promise(request=each), Promised, request.seconds, late)
             for each in request.each_size()
         )
         if any(each != found for each in others):
             raise RequestError(
-                f"rooms: houses of {name} of {request.rooms} to {request.most_rooms} rooms promise different "
-                "things: take one number of rooms for a set"
+                f"rooms: houses of {name} of {request.rooms} to {request.most_rooms} rooms make different "
+                "promises: give one number of rooms for a set"
             )
     except BaseException:
         worker.end()

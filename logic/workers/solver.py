@@ -276,7 +276,7 @@ class Solver:
         With ``before`` the seconds count from the first answer. Until then the process has ``before`` seconds
         to generate a house again.
         """
-        says = f"the house was not made again in {before:g} seconds" if before else late
+        says = f"the house was not regenerated within {before:g} seconds" if before else late
         end = time.monotonic() + (before or seconds)
         self.ask(question, before + seconds)
         while not isinstance(
@@ -301,10 +301,10 @@ class Solver:
         if code == -signal.SIGXCPU:
             return LimitReached(late)
         if code == -signal.SIGKILL:
-            why = "perhaps for want of memory, or by ulimit -t"
-            return Killed(f"a solver process was killed from outside, {why}")
+            why = "perhaps for lack of memory, or by ulimit -t"
+            return Killed(f"another process killed a solver process, {why}")
         how = f"signal {-code}" if code < 0 else f"exit code {code}"
-        why = "look for a directive that halts, or a clause that recurs without end"
+        why = "look for a directive that halts, or an endless recursion"
         return GrammarError(f"the rules ended the solver process ({how}): {why}", self._grammar)
 
     def interrupt(self) -> None:

@@ -34,7 +34,7 @@ def test_a_copy_of_a_shared_file_is_one_error_that_names_both(edit: str, tmp_pat
     for file in CORE:
         copy = folder / f"of_mine{file.suffix}"
         copy.write_text(EDITS[edit](file.read_text()))
-        with pytest.raises(GrammarError, match=r": take it away") as error:
+        with pytest.raises(GrammarError, match=r": delete the copy") as error:
             find(folder)
         assert (error.value.file, str(file) in error.value.message) == (copy, True)
         copy.unlink()

@@ -8,10 +8,10 @@ const FIRST = "home"; // the grammar where the address names none
 const TYPING = 300; // milliseconds without a key, after which the rules are read
 const GRACE = 3000; // milliseconds that the solvers have to leave an older question
 const LIMIT = 30_000; // milliseconds for a house, or for a proof that there is none
-const LATE = `The solvers have worked on one answer for ${LIMIT / 1000} s and are ended: does a rule recur without end? Else take `
+const LATE = `The solvers were stopped after ${LIMIT / 1000} s on one answer: does a rule recur without end? Otherwise use `
   + "fewer rooms, another seed, or Vitruvius on your machine.";
 
-const GONE = "The solvers cannot be loaded: the server of this page has ended, or there is no network. Run vitruvius playground "
+const GONE = "The solvers cannot be loaded: the server of this page has stopped, or there is no network. Run vitruvius playground "
   + "again, and open the address that it prints.";
 
 let bundle = null; // rules.json
@@ -36,7 +36,7 @@ export const engine = {
   async open(onRules, onLost) {
     [changes, tell] = [onRules, onLost];
     if (typeof WebAssembly !== "object" || typeof Worker !== "function")
-      return tell("This browser has no WebAssembly, in which the solvers run: take a newer one, or install Vitruvius.");
+      return tell("The solvers need WebAssembly, which this browser lacks: use a newer one, or install Vitruvius.");
     try {
       bundle = await (await fetch("rules.json")).json();
     } catch (error) {
@@ -224,7 +224,7 @@ function controls() {
 /** The houses of the sheet, as `vitruvius check` and `load` read them. */
 function keepHouses() {
   const made = houses.filter(Boolean);
-  if (!made.length) return tell("There is no house to keep.");
+  if (!made.length) return tell("There is no house to save.");
   download("houses.jsonl", "application/jsonl", made.map((house) => `${JSON.stringify(house)}\n`));
 }
 

@@ -30,7 +30,7 @@ def write(folder: Path) -> None:
     ``VitruviusError`` if npm cannot fetch the packages.
     """
     if folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
-        raise RequestError(f"--out {folder}: is there already and not empty: name a new folder")
+        raise RequestError(f"--out {folder}: already exists and is not empty: choose a new folder")
     packages = solvers()
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)

@@ -64,7 +64,7 @@ def application(session: Session, token: str) -> ASGIApp:
     async def sheet(request: Request) -> Response:
         asked = await _asked(request)
         if asked.request is None:
-            raise RequestError("sheet: say by request what houses")
+            raise RequestError("sheet: name the houses by request")
         wanted = asked.request
 
         async def lines() -> AsyncIterator[bytes]:

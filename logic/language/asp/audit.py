@@ -23,8 +23,8 @@ UNITS = "units"
 """Program that precedes the two in a topology with units."""
 
 DIRECTIVES = {
-    "external": "a grammar holds rules: what is #external holds in no house",
-    "script": "a grammar holds rules, no scripts",
+    "external": "a grammar holds only rules: #external atoms are false in every house",
+    "script": "a grammar holds only rules, no scripts",
     "minimize": "layouts are sampled, not optimised: use weight/2 or a constraint",
     "show": "the core alone shows what makes a layout: leave #show out",
     "project": "layouts are sampled by picks: leave #project out",

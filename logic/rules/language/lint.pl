@@ -58,7 +58,7 @@ problem(syntax(What), _, _, P, P, Text) :- format(string(Text), "syntax error: ~
 problem(directive(Goal), _, _, P, P, Text) :-
     \+ ( nonvar(Goal), harmless(Goal) ),
     (   nonvar(Goal), reads_file(Goal)
-    ->  Text = "an include stands at the top of its file, alone on its line, as in :- include('home/furniture.pl')."
+    ->  Text = "an include must be at the top of its file, alone on its line, as in :- include('home/furniture.pl')."
     ;   Goal = use_module(library(Other)), memberchk(Other, [clpfd,clpq,clpb])
     ->  format(string(Text), "lengths are real numbers: write library(clpr) for library(~w), or leave the line out", [Other])
     ;   format(string(Text), "a directive runs code when the file is read: ~p. A .pl file holds clauses; a rule that begins with :- belongs in a .lp file", [Goal]) ).

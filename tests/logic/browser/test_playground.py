@@ -275,7 +275,7 @@ def test_a_browser_without_webassembly_is_told(page, at):
 
 def test_a_folder_with_something_in_it_is_left_alone(tmp_path):
     (tmp_path / "mine").touch()
-    with pytest.raises(RequestError, match="not empty: name a new folder"):
+    with pytest.raises(RequestError, match="is not empty: choose a new folder"):
         folder.write(tmp_path)
     assert [file.name for file in tmp_path.iterdir()] == ["mine"]
 

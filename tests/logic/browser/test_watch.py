@@ -283,8 +283,8 @@ def test_the_page_fits_screens_and_paper_and_axe_finds_nothing(watched: Watched,
 @pytest.mark.parametrize(
     ("label", "text", "words"),
     [
-        ("bathroom", "abc", "bathroom: “abc” is no number of them: write 2, 1..3, 2.. or nothing."),
-        ("kitchen", "3..1", "kitchen: 3..1 has its least above its greatest."),
+        ("bathroom", "abc", "bathroom: “abc” is not a count: write 2, 1..3, 2.. or nothing."),
+        ("kitchen", "3..1", "kitchen: 3..1 has its minimum above its maximum."),
         ("Seed", "-1", "Seed: a whole number from 0 to 2147483647."),
         ("Seed", "", "Seed: a whole number from 0 to 2147483647."),
     ],
@@ -331,7 +331,7 @@ def test_back_and_forward_go_through_what_was_asked_for(watched: Watched, page: 
 
 def test_after_the_end_of_the_server_each_button_says_what_to_do(tmp_path: Path, browser: Browser) -> None:
     page = browser.new_page()
-    words = "The server has ended: run vitruvius watch {} again, and open the address that it prints."
+    words = "The server has stopped: run vitruvius watch {} again, and open the address that it prints."
     with watching(tmp_path / "mine") as watched:
         page.goto(f"{watched.address}#rooms=2&count=1")
         drawn(page, 1)
@@ -423,7 +423,7 @@ def test_only_this_machine_with_the_token_is_answered(
             {"version": 1, "request": {"rooms": 0, "seed": 0, "count": 1}},
             "Expected `int` >= 1 - at `$.request.rooms`",
         ),
-        ({"version": 1}, "sheet: say by request what houses"),
+        ({"version": 1}, "sheet: name the houses by request"),
     ],
 )
 def test_what_is_no_question_is_refused_by_a_line(server: Watched, body: object, said: str) -> None:

@@ -185,7 +185,7 @@ def test_a_node_that_is_killed_is_made_up_for_by_the_others(nodes: Any, plain: P
     said = process.communicate(timeout=PATIENCE)[1]
     assert process.returncode == 0, said
     *lost, last = said.splitlines()
-    assert last == f"{folder}: 15 shards made. The set is whole: 300 houses, 0 limits."
+    assert last == f"{folder}: 15 shards made. The set is complete: 300 houses, 0 limits."
     assert all(line.startswith("Ray: ") for line in lost), said
     assert content(folder) == content(plain)
 
@@ -235,15 +235,15 @@ def test_ctrl_c_keeps_what_is_done_and_ends_all_that_was_started(plain: Path, tm
 
 
 WRONG = {
-    "--engine ray --address ray://127.0.0.1:10001": (2, "name a cluster of Ray as HOST:PORT"),
+    "--engine ray --address ray://127.0.0.1:10001": (2, ": name a Ray cluster as HOST:PORT, or auto for"),
     "--engine ray --workers 0": (2, "workers must be a whole number, 1 or more, not 0"),
-    "--address auto": (2, "--address: is of --engine ray: add it"),
-    "--engine ray --address 127.0.0.1:{closed}": (69, "no cluster of Ray to connect to: Connection refused"),
-    "--engine ray --address a..b:6379": (69, "--address a..b:6379: no cluster of Ray to connect to: "),
-    f"--engine ray --address {64 * 'a'}:6379": (69, "a:6379: no cluster of Ray to connect to: "),
+    "--address auto": (2, "--address needs --engine ray: add it"),
+    "--engine ray --address 127.0.0.1:{closed}": (69, "cannot connect to a Ray cluster: Connection refused"),
+    "--engine ray --address a..b:6379": (69, "--address a..b:6379: cannot connect to a Ray cluster: "),
+    f"--engine ray --address {64 * 'a'}:6379": (69, "a:6379: cannot connect to a Ray cluster: "),
     "--engine ray --address 127.0.0.1:{silent}": (
         69,
-        "no cluster of Ray to connect to: none answered in 1 s",
+        "cannot connect to a Ray cluster: none answered in 1 s",
     ),
 }
 

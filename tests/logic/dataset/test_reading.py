@@ -88,8 +88,8 @@ def test_a_set_that_is_not_whole_or_lost_a_file_is_one_line(
     (folder / MANIFEST).unlink()
     assert command("check", folder) == 5
     one, other = capsys.readouterr().err.splitlines()
-    assert one.endswith("is missing: generate --shard makes it again")
-    assert other.endswith("is a set that is not whole: it has no manifest.json yet")
+    assert one.endswith("is missing: regenerate it with generate --shard")
+    assert other.endswith("is an incomplete set: it has no manifest.json yet")
     with pytest.raises(HouseFileError, match="is a folder"):
         load(tmp_path)
 
@@ -146,7 +146,7 @@ def test_any_row_is_made_again_from_its_set_its_file_or_alone(
         said = capsys.readouterr()
         found = [House.from_dict(json.loads(line)).converted() for line in said.out.splitlines()]
         assert found == [load(of_format)[place] for place in places]
-        assert said.err == "2 rows made again: 2 as before, 0 not\n"
+        assert said.err == "2 rows regenerated: 2 identical, 0 different\n"
 
 
 def test_a_row_that_is_another_house_is_named(tmp_path: Path, of_format: Path, capsys) -> None:
@@ -154,10 +154,10 @@ def test_a_row_that_is_another_house_is_named(tmp_path: Path, of_format: Path, c
     other = tmp_path / "rows.jsonl"
     other.write_text(json.dumps(row | {"sha256": "0" * 64}) + "\n")
     assert command("regenerate", other) == 1
-    assert f"{row['id']}: another house than the row's (" in capsys.readouterr().err
+    assert f"{row['id']}: the house differs from that of the row (" in capsys.readouterr().err
     for wrong, words in (
         ({"grammar_hash": "0"}, "these are not the rules that made"),
-        ({"grammar": "nobodys"}, "say by --grammar where its rules are"),
+        ({"grammar": "nobodys"}, "name the folder of its rules with --grammar"),
     ):
         other.write_text(json.dumps(row | wrong) + "\n")
         assert command("regenerate", other) == 5
@@ -204,7 +204,7 @@ def test_a_row_that_no_set_has_is_refused_in_a_line(
     rows.write_text(json.dumps(next(HouseSet(of_format).rows()) | ODD_ROWS[what]) + "\n")
     assert command("regenerate", rows) == 5
     [line] = capsys.readouterr().err.splitlines()
-    assert "is no row of a set: " in line or "say by --grammar where its rules are" in line
+    assert "not a row of a set: " in line or "name the folder of its rules with --grammar" in line
 
 
 def test_houses_of_a_set_are_read_one_group_at_a_time(of_format: Path) -> None:

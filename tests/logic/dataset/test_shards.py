@@ -84,7 +84,7 @@ def test_houses_of_a_range_that_promise_different_things_are_no_set(
         rules.write("opens(kitchen,bathroom) :- rooms > 4.\n")
     asked = ("--grammar", mine, "--count", 2, "--shard", "all/1", "--out", folder)
     assert command("generate", "--rooms", "4..5", *asked) == 2
-    assert "houses of mine of 4 to 5 rooms promise different things" in capsys.readouterr().err
+    assert "houses of mine of 4 to 5 rooms make different promises: give" in capsys.readouterr().err
     assert not folder.exists()
 
 
@@ -140,7 +140,7 @@ def test_a_shard_that_is_something_else_is_refused_and_stays(
     torn = content(copy)
     assert made(copy) == 2
     [line] = capsys.readouterr().err.splitlines()
-    assert "train-00001-of-00003.parquet holds something else than its shard" in line
+    assert "train-00001-of-00003.parquet does not hold its shard" in line
     assert content(copy) == torn
     assert made(copy, "--replace") == 0
     assert content(copy) == content(whole)
@@ -156,7 +156,7 @@ def test_a_row_that_was_changed_is_found(tmp_path: Path, capsys: pytest.CaptureF
         capsys.readouterr()
         assert made(tmp_path, "--files", "jsonl", shard="4/5") == 5
         assert (
-            "train-00000-of-00003.jsonl: is no shard of the set: row 0 is not that of"
+            "train-00000-of-00003.jsonl: is not a shard of the set: row 0 is not the row of"
             in capsys.readouterr().err
         )
         shard.write_text(kept)
@@ -164,7 +164,7 @@ def test_a_row_that_was_changed_is_found(tmp_path: Path, capsys: pytest.CaptureF
 
 WRONG = {
     "--shard 5/5": "--shard 5/5: they count from 0: the last one is 4/5",
-    "--shard five": "--shard five: say which of how many, from 0, as in --shard 3/8 or all/8",
+    "--shard five": "--shard five: give a shard and their number, counted from 0, as in --shard 3/8 or all/8",
     "--shard 0/50": "--shard: 3 splits and 17 houses cannot be divided into 50 shards",
     "--shard 0/2": "--shard: 3 splits and 17 houses cannot be divided into 2 shards",
     "--shard 0/5 --seed 147483648": "seed must be at most 147483647, not 147483648",
@@ -173,8 +173,8 @@ WRONG = {
     "--shard 0/5 --seed 1": "holds a set of another seed (0, not 1)",
     "--shard 0/6": "holds a set of another shards (5, not 6)",
     "--shard 0/5 --count 13": "holds a set of another houses",
-    "--shard 0/5 --nearest": "--shard: a set is of one request: leave out --nearest",
-    "--shard 0/5 --out -": "--shard: a set is a folder of files: name it by --out",
+    "--shard 0/5 --nearest": "--shard: a set has one request: leave out --nearest",
+    "--shard 0/5 --out -": "--shard: a set is a folder: name it with --out",
 }
 
 
@@ -200,10 +200,10 @@ def test_a_house_that_ends_in_a_limit_is_a_row_that_says_so(
         for index, outcome in zip(indices, outcomes(request, seed, indices, workers), strict=True):
             if index == 4 and kills:
                 kills.pop()
-                yield Killed("a solver process was killed from outside")
+                yield Killed("another process killed a solver process")
             elif index % 3 == 2:
                 yield LimitReached(
-                    f"house {index} reached its limit of 9 inferences: say so. It was at work on 7."
+                    f"house {index} reached its limit of 9 inferences: say so. The last step was 7."
                 )
             else:
                 yield outcome
@@ -236,10 +236,10 @@ def test_a_solver_that_is_killed_each_time_ends_the_shard_and_leaves_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(
-        shards, "outcomes", lambda *_: iter([Killed("a solver process was killed from outside")])
+        shards, "outcomes", lambda *_: iter([Killed("another process killed a solver process")])
     )
     assert made(tmp_path) == 4
-    assert capsys.readouterr().err == "error: a solver process was killed from outside\n"
+    assert capsys.readouterr().err == "error: another process killed a solver process\n"
     assert not list((tmp_path / "data").iterdir())
 
 

@@ -44,7 +44,7 @@ def test_it_is_read_from_a_line() -> None:
     for text in ("houses.jsonl", "home", "home:rooms=", "home:rooms=4..", "home:rooms=4..5,seed=3"):
         assert HouseStream.read(text) is None
     for text in ("home:rooms=6..4", "home:rooms=0", "home:rooms=4..129"):
-        with pytest.raises(RequestError, match="rooms are from 1 to 128, the fewest first"):
+        with pytest.raises(RequestError, match="give 1 to 128 rooms, the smaller number first"):
             HouseStream.read(text)
-    with pytest.raises(RequestError, match="there are none"):
+    with pytest.raises(RequestError, match="the list is empty"):
         HouseStream([])

@@ -172,7 +172,7 @@ LINE = json.dumps(HOUSE.to_dict()).encode()
     [
         (b"", "holds no house"),
         (b"\n\n", "holds no house"),
-        (LINE + b"\n" + LINE[:-9], r":2: not a house: .*cut short"),
+        (LINE + b"\n" + LINE[:-9], r":2: not a house: .*truncated"),
         (LINE + b"\n\n" + b"[1, 2]", ":3: not a house: a house is a JSON object, not list"),
         (LINE.replace(b"4.2", b"NaN", 1), ":1: not a house: JSON is malformed"),
         (LINE.replace(b"4.2", b"1e999", 1), ":1: not a house: "),
@@ -180,8 +180,8 @@ LINE = json.dumps(HOUSE.to_dict()).encode()
         (b"\xff\xfe" + LINE, ":1: not a house: "),
         (b"\x00" * 100, ":1: not a house: "),
         (b'{"a": ' + b"[" * 200_000, ":1: not a house: "),
-        (LINE.replace(b'"R1": ', b'"R0": {}, "R1": '), ":1: not a house: 'R0' stands twice in an object"),
-        (LINE.replace(b'"x": ', b'"x": 9, "x": ', 1), ":1: not a house: 'x' stands twice"),
+        (LINE.replace(b'"R1": ', b'"R0": {}, "R1": '), ":1: not a house: 'R0' appears twice in an object"),
+        (LINE.replace(b'"x": ', b'"x": 9, "x": ', 1), ":1: not a house: 'x' appears twice"),
     ],
     ids=[
         "empty",
@@ -241,7 +241,7 @@ def test_the_command_that_an_error_proposes_is_not_refused(name: str, tmp_path: 
         with pytest.raises(HouseFileError) as error:
             load(tmp_path / name)
         if name.endswith(".yaml") and (tmp_path / name).exists():
-            assert "no map of ROS" in str(error.value)
+            assert ": not a ROS map" in str(error.value)
             continue
         require_ending(str(error.value).rpartition(" --out ")[2], HOUSE_FILES)
         (tmp_path / name).touch()
@@ -250,7 +250,7 @@ def test_the_command_that_an_error_proposes_is_not_refused(name: str, tmp_path: 
 def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
     with pytest.raises(HouseFileError, match="there is no such file"):
         load(tmp_path / "absent.jsonl")
-    with pytest.raises(HouseFileError, match="is a folder, and no house file"):
+    with pytest.raises(HouseFileError, match="is a folder, not a house file"):
         load(tmp_path)
 
 
@@ -358,7 +358,7 @@ def test_lengths_of_the_originals_files_are_cut_to_whole_pixels_where_asked():
 
 def test_a_file_in_metres_has_no_pixels_to_cut(tmp_path):
     save([HOUSE], tmp_path / "house.json")
-    with pytest.raises(HouseFileError, match="its lengths are in m, so there are no pixels to cut"):
+    with pytest.raises(HouseFileError, match="its lengths are in m: cropping needs a house in pixels"):
         load(tmp_path / "house.json", whole_pixels=True)
 
 

@@ -267,34 +267,34 @@ WRONG: dict[str, tuple[dict[str, Any] | str, bytes | None, str]] = {
     "device": ({"image": "/dev/zero"}, b"", "it must lie in the folder of this file"),
     "folder": ({"image": "."}, b"", "Is a directory"),
     "picture of another folder": ({"image": "../map.png"}, b"", "it must lie in the folder of this file"),
-    "no picture": ({}, b"hello", "it is no PNG, PGM or BMP"),
-    "cut short": ({}, free_picture()[:-30], "it is no PNG, PGM or BMP"),
-    "a PGM of comments": ({}, b"P5\n#" + b"x" * (1 << 20) + b"\n4 4 255\n" + b"\xfe" * 16, "it is no PNG"),
-    "a PNG of chunks": ({}, free_picture()[:33] + bytes(12 << 16) + free_picture()[33:], "it is no PNG"),
-    "a thousand million cells": ({}, bomb(40_000, 25_000), "at most 33,554,432|more than the 33,554,432"),
+    "no picture": ({}, b"hello", "it is not a readable PNG, PGM or BMP"),
+    "cut short": ({}, free_picture()[:-30], "it is not a readable PNG, PGM or BMP"),
+    "a PGM of comments": ({}, b"P5\n#" + b"x" * (1 << 20) + b"\n4 4 255\n" + b"\xfe" * 16, "not a readable"),
+    "a PNG of chunks": ({}, free_picture()[:33] + bytes(12 << 16) + free_picture()[33:], "not a readable"),
+    "a thousand million cells": ({}, bomb(40_000, 25_000), "at most 33,554,432|more than 33,554,432"),
     "a hundred million cells": ({}, bomb(10_000, 10_000), "10,000 by 10,000 cells"),
     "more than a PNG can hold": ({}, bomb(2**31 - 1, 2**31 - 1), "33,554,432|no PNG"),
     "resolution 0": ({"resolution": 0}, b"", "resolution is 0"),
     "resolution in words": ({"resolution": "5 cm"}, b"", "resolution is '5 cm'"),
     "resolution nan": ({"resolution": float("nan")}, b"", r"resolution is '\.nan'"),
     "origin of two": ({"origin": [0, 0]}, b"", "origin has 2 numbers"),
-    "turned": ({"origin": [0, 0, 0.3]}, b"", "origin turns it by 0.3"),
+    "turned": ({"origin": [0, 0, 0.3]}, b"", "origin rotates the map by"),
     "no thresholds": ({"free_thresh": None}, b"", "it lacks free_thresh"),
     "mode": ({"mode": "trinari"}, b"", "did you mean trinary"),
     "negate": ({"negate": 2}, b"", "negate is 2"),
     "no free floor": ({"free_thresh": 0.0}, free_picture(), "it has no free cell"),
     "far away": ({"origin": [5000.0, 0, 0]}, free_picture(), "beyond 1000 m"),
-    "no YAML": ("image: [map.png\nresolution", b"", "it is no YAML"),
-    "a list": ("- 1\n- 2", b"", "it says nothing by name"),
-    "nothing": ("", b"", "it says nothing by name"),
-    "not text": ("\x00\x01", b"", "it is no YAML"),
+    "no YAML": ("image: [map.png\nresolution", b"", "it is not YAML with"),
+    "a list": ("- 1\n- 2", b"", "it has no keys, such as"),
+    "nothing": ("", b"", "it has no keys, such as"),
+    "not text": ("\x00\x01", b"", "it is not YAML with"),
     "another floor plan": ("name: a\nlevels:\n  L1:\n    vertices:\n    - [0, 0]", b"", "it lacks image"),
-    "deep": ("[" * 20_000, b"", "it is no YAML"),
+    "deep": ("[" * 20_000, b"", "it is not YAML with"),
     "long": ("# " + "a" * (1 << 17), b"", "more than 64 KiB"),
-    "aliases": (ALIASES, b"", "it is no YAML of plain values, in line 1"),
-    "an alias": ("image: &a map.png\nmode: *a\n", b"", "it is no YAML of plain values, in line 1"),
-    "a tag": ("image: !!python/name:os.system x", b"", "it is no YAML of plain values, in line 1"),
-    "merge keys": ("<<: [{image: map.png}]", b"", "it is no YAML of plain values, in line 1"),
+    "aliases": (ALIASES, b"", "it is not YAML with plain values, in line 1"),
+    "an alias": ("image: &a map.png\nmode: *a\n", b"", "it is not YAML with plain values, in line 1"),
+    "a tag": ("image: !!python/name:os.system x", b"", "it is not YAML with plain values, in line 1"),
+    "merge keys": ("<<: [{image: map.png}]", b"", "it is not YAML with plain values, in line 1"),
     "a number of 400 digits": ({"resolution": 10**400}, b"", "resolution is 1000"),
 }  # fmt: skip
 
@@ -332,7 +332,7 @@ def test_the_ending_of_a_map_may_be_in_capitals(ending: str, tmp_path: Path) -> 
 @pytest.mark.parametrize("name", ["map.pgm", "MAP.PGM"])
 def test_a_picture_by_itself_is_no_map(name: str, tmp_path: Path) -> None:
     (tmp_path / name).write_bytes(free_picture())
-    with pytest.raises(HouseFileError, match=r"read a map by its \.yaml"):
+    with pytest.raises(HouseFileError, match=r"for a map, give its \.yaml"):
         load(tmp_path / name)
     with pytest.raises(HouseFileError, match="there is no such file"):
         load(tmp_path / "other.yaml")
@@ -340,15 +340,15 @@ def test_a_picture_by_itself_is_no_map(name: str, tmp_path: Path) -> None:
 
 SEGMENT = {"x": 0, "y": 0, "width": 1, "height": 0}
 CHANGES: dict[str, tuple[Callable[[dict[str, Any]], Any], str]] = {
-    "row": (lambda house: house["occupancy"].update(rows=["3."]), "the first room of a map is all of it"),
-    "runs": (lambda house: house["occupancy"]["rows"].append("3"), "row 2 is no row of cells"),
+    "row": (lambda house: house["occupancy"].update(rows=["3."]), "the first room of a map must cover"),
+    "runs": (lambda house: house["occupancy"]["rows"].append("3"), "row 2 is not a row of"),
     "ragged": (lambda house: house["occupancy"]["rows"].append("4."), "row 2 has 4 cells, row 0 has 3"),
     "bomb": (lambda house: house["occupancy"]["rows"].append("99999999."), "99,999,999 by 3 cells"),
-    "longer bomb": (lambda house: house["occupancy"]["rows"].append("9" * 99 + "."), "row 2 is no row"),
+    "longer bomb": (lambda house: house["occupancy"]["rows"].append("9" * 99 + "."), "row 2 is not a row"),
     "shut": (lambda house: house["occupancy"].update(rows=["3#", "3?"]), "no free cell"),
     "cell": (lambda house: house["occupancy"].update(cell=0), "cells are 0.0 m wide"),
-    "topology": (lambda house: house.update(topology="ring"), "a house of the topology map has one"),
-    "no cells": (lambda house: house.pop("occupancy"), "a house of the topology map has one"),
+    "topology": (lambda house: house.update(topology="ring"), "only a house of the topology map may have it"),
+    "no cells": (lambda house: house.pop("occupancy"), "only a house of the topology map may have it"),
     "door": (
         lambda house: house["doors"].append({"between": ["map", "outside"], **SEGMENT}),
         "a map has none",

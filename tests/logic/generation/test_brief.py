@@ -197,8 +197,8 @@ def test_areas_that_are_too_large_for_the_outline_are_named_with_it() -> None:
 @pytest.mark.parametrize(
     ("wanted", "message"),
     [
-        (brief(0), "rooms: 1 to 24 rooms, not 0"),
-        (brief(200), "rooms: 1 to 24 rooms, not 200"),
+        (brief(0), "rooms: give 1 to 24 rooms, not 0"),
+        (brief(200), "rooms: give 1 to 24 rooms, not 200"),
         ({"rooms": [{"name": "A"}, {"name": "A"}]}, r"rooms\[1\]: rooms\[0\] is named A too"),
         (brief(2, doors=[["R0", "R0"]]), r"doors\[0\]: R0 and itself"),
         (brief(2, doors=[["R0", "R3"]]), r"doors\[0\]: there is no room R3: there are R0, R1"),
@@ -221,14 +221,20 @@ def test_areas_that_are_too_large_for_the_outline_are_named_with_it() -> None:
             brief(1, outline={"width": 850}),
             r"outline\.width: must be at most 400 m, not 850: lengths are metres",
         ),
-        (brief(1, outline={"voids": [{"x": [3, 2]}]}), r"voids\[0\]: x: the least comes first: \[2, 3\]"),
+        (
+            brief(1, outline={"voids": [{"x": [3, 2]}]}),
+            r"voids\[0\]: x: the smaller number comes first: \[2, 3\]",
+        ),
         (brief(1, outline={"voids": [{"x": -1}]}), r"voids\[0\]: x: must be at least 0"),
         ({"rooms": [{"name": "A", "area": 0.1}]}, r"rooms\[0\] \(A\): area: 0.1 m² is less than the least"),
-        ({"rooms": [{"name": "A", "area": [9, 4]}]}, r"rooms\[0\] \(A\): area: the least comes first"),
+        (
+            {"rooms": [{"name": "A", "area": [9, 4]}]},
+            r"rooms\[0\] \(A\): area: the smaller number comes first",
+        ),
         ({"rooms": [{"name": "A", "size": [3, -1]}]}, r"rooms\[0\] \(A\): size: must be above 0"),
         ({"rooms": [{"name": "A", "colour": "red"}]}, "there is no key colour: there are name"),
         (brief(1, area=20, outline={"voids": [{"width": 2}]}), "area: a house with voids"),
-        (brief(1, outline={"voids": [{"width": 0.9}]}), r"voids\[0\]: width: a void is 1 m"),
+        (brief(1, outline={"voids": [{"width": 0.9}]}), r"voids\[0\]: width: a void must be"),
         (brief(2, tolerance=0.6), "tolerance: must be a number, at most 0.5, not 0.6"),
         (
             {"rooms": [{"name": "A", "area": 5001}]},
@@ -258,7 +264,7 @@ def test_the_program_of_a_house_by_a_brief_is_freed_with_the_next_one() -> None:
 
 
 def test_a_brief_on_a_grid_is_refused() -> None:
-    with pytest.raises(RequestError, match="cell: rooms of a brief lie on no grid yet"):
+    with pytest.raises(RequestError, match="cell: a brief does not support a grid: leave out cell"):
         next(vitruvius.generate(brief=brief(2), cell=0.5))
 
 

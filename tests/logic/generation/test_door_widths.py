@@ -97,5 +97,7 @@ def test_stars_units_and_own_plans_refuse_it(tmp_path: Path) -> None:
     with pytest.raises(GrammarError, match="units have no doors of other widths: state door_width/1 alone"):
         list(generate(rooms=15, grammar=grammar(tmp_path / "units", clause, "apartments")))
     [house] = generate(rooms=5, grammar="home")
-    with pytest.raises(RequestError, match="no plan of your own has them yet: leave these clauses out"):
+    with pytest.raises(
+        RequestError, match="of both rooms, which given plans do not support: leave these clauses out"
+    ):
         list(generate(plan=house, grammar=grammar(tmp_path / "own", clause)))

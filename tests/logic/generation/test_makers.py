@@ -42,12 +42,12 @@ def stub(**fields: Any) -> Any:
 @pytest.mark.parametrize(
     ("fixed", "has_area", "words"),
     [
-        ((), True, "did not leave the main room the area that is left of house_area/2, though others might"),
-        ((1,), False, "did not fit between the fixed rooms, though smaller ones might"),
+        ((), True, "left the main room an area outside house_area/2, but others might fit"),
+        ((1,), False, "did not fit between the fixed rooms, but smaller ones might"),
         (
             (1,),
             True,
-            "did not fit between the fixed rooms, or did not leave the main room the area that is left",
+            "did not fit between the fixed rooms, or left the main room an area outside",
         ),
     ],
 )
@@ -89,14 +89,14 @@ def test_rooms_that_overlap_are_told_with_the_edges_that_bring_them_there() -> N
 @pytest.mark.parametrize(
     ("states", "words"),
     [
-        ({"depths": (8.0, 9.0)}, "have units: take another"),
+        ({"depths": (8.0, 9.0)}, "have units: choose another grammar"),
         (
             {"has_area": True, "voids": (1,)},
-            "house_area/2, which holds of whole rectangles: leave out the voids",
+            "house_area/2, which applies only to rectangular houses: leave out the voids",
         ),
         ({"has_area": True, "outdoor": True}, "outdoor"),
         ({"wholes": [1]}, "states whole_area/3"),
-        ({"has_area": True, "wall_thickness": 0.1}, "no brief has both"),
+        ({"has_area": True, "wall_thickness": 0.1}, "and a brief does not support"),
     ],
 )
 def test_a_brief_is_refused_where_the_grammar_states_what_it_cannot_keep(

@@ -183,7 +183,9 @@ def test_a_file_has_the_thickness_and_gives_the_same_house(houses: list[House]) 
         assert House.from_dict(record) == house
         assert house.only("R0").wall_thickness == house.wall_thickness
     for wrong in ({"inner": 0.3, "outer": 0.2}, {"inner": 0, "outer": 0.2}):
-        with pytest.raises(ValueError, match="wall_thickness: must be more than 0 m, and no more for inner"):
+        with pytest.raises(
+            ValueError, match="wall_thickness: must be more than 0 m, and inner walls must not be"
+        ):
             House.from_dict({**houses[0].to_dict(), "wall_thickness": wrong})
 
 

@@ -200,5 +200,5 @@ def test_how_many_doors_a_public_room_has_is_said_to_be_no_rule(tmp_path: Path) 
 
 
 def test_a_building_lies_on_no_grid_and_says_so() -> None:
-    with pytest.raises(RequestError, match="units of a house lie on no grid yet"):
+    with pytest.raises(RequestError, match="cell: houses of units do not support a grid: leave cell"):
         Builder(find("apartments"), cell=0.3)

@@ -14,7 +14,7 @@ HOMES = 6
 
 @pytest.fixture(scope="module")
 def counts() -> Counter[str]:
-    """The numbers of what is counted in homes of nine rooms."""
+    """Return the counts in homes of nine rooms."""
     made = Builder(find("home"))
     found = Counter[str]()
     for index in range(HOMES):

@@ -153,7 +153,7 @@ def test_an_include_that_stands_elsewhere_is_refused_where_it_stands(
         files = {f"{n}{suffix}": text + others[n] for n, (text, _) in enumerate(cases)}
         folder = grammar(tmp_path / suffix, files)
         found, _ = solver.submit(linted, folder).result(timeout=PATIENCE)
-        why = "an include stands at the top of its file, alone on its line"
+        why = "an include must be at the top of its file, alone on its line"
         said = {(each.file, each.line) for each in found if why in each.text}
         assert said == {(str(folder / f"{n}{suffix}"), line) for n, (_, line) in enumerate(cases)}
 

@@ -24,7 +24,7 @@ RECORDS = [json.loads(json.dumps(house.to_dict())) for house in PLANS.values()]
 RECORD = RECORDS[0]
 
 STATED = re.compile(
-    "stands twice|no room is named outside|no hub|there is no room|joins .* with itself|must be a segment"
+    "appears twice|must not be named outside|no hub|there is no room|joins .* with itself|must be a segment"
     "|sizes must be positive|must have a length|lies beyond 1000 m|at most 256|topology (star|original)"
     "|request.cell"
 )
@@ -70,7 +70,7 @@ def test_walls_that_stand_by_themselves_are_read_as_they_were_written_but_a_star
     assert accepts(SCHEMA, record)
     assert [wall.box for wall in walls] == [None, (3, 0, 3, 2)]
     star = replace(random_house(1), free_walls=walls)
-    with pytest.raises(ValueError, match="files of the format vitruvius-1 have no free walls"):
+    with pytest.raises(ValueError, match="the format vitruvius-1 does not support free walls: write"):
         star.to_dict()
     assert House.from_dict(star.converted().to_dict()).free_walls == walls
 
@@ -86,8 +86,8 @@ def test_walls_that_stand_by_themselves_are_read_as_they_were_written_but_a_star
         ("rooms.3.door", {}, r"unknown field `door` - at `\$.rooms\[3\]`"),
         ("rooms.3.storey", 1, r"Invalid enum value 1 - at `\$.rooms\[3\].storey`"),
         ("rooms.3.name", " R3", r"matching regex .* - at `\$.rooms\[3\].name`"),
-        ("rooms.3.name", "R2", "rooms: the name R2 stands twice"),
-        ("rooms.3.name", "outside", "no room is named outside: that is where an entrance leads"),
+        ("rooms.3.name", "R2", "rooms: the name R2 appears twice"),
+        ("rooms.3.name", "outside", "rooms: a room must not be named outside: entrances lead there"),
         ("rooms.3.width", 0.0, "R3 is 0.0 by 3.6: sizes must be positive"),
         ("rooms.3.x", 1e9, "R3 lies beyond 1000 m or is not a number"),
         ("rooms.3.x", float("nan"), "R3 lies beyond 1000 m or is not a number"),

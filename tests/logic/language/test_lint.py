@@ -200,10 +200,13 @@ def test_nothing_of_a_refused_grammar_is_run(tmp_path: Path) -> None:
     ("content", "says"),
     [
         (lambda text: text.encode("utf-16"), "1:1: this file is UTF-16: save it as UTF-8"),
-        (lambda text: text.encode("utf-16-be"), "1:1: this file is UTF-16, or no text: save it as UTF-8"),
+        (lambda text: text.encode("utf-16-be"), "1:1: this file is UTF-16 or not text: save it as UTF-8"),
         (lambda text: b"%\n% k" + "ü".encode("latin-1") + text.encode(), "2:4: not UTF-8: byte 0xfc, ü in"),
         (lambda text: b"\n \0" + text.encode(), "2:2: a NUL character"),
-        (lambda text: f"% {text}".replace("\n", "\r").encode(), "a line ends by a carriage return alone"),
+        (
+            lambda text: f"% {text}".replace("\n", "\r").encode(),
+            "a line ends with a carriage return only: save",
+        ),
     ],
     ids=["utf-16", "utf-16 without its mark", "latin-1", "a NUL", "carriage returns"],
 )

@@ -83,17 +83,17 @@ def test_a_desk_is_a_worktop_in_the_grammars_that_call_it_so_alone() -> None:
 
 
 MISTAKES = [
-    ('{"names": {"desk": ""}}', 1, 12, '"" is no name'),
-    ('{"rooms": {\n  "living": "green"}}', 2, 3, "living: .green. is no colour: write it as"),
+    ('{"names": {"desk": ""}}', 1, 12, '"" is not a name'),
+    ('{"rooms": {\n  "living": "green"}}', 2, 3, "living: .green. is not a colour: write it as"),
     (
         '{"rooms": {"living": "#303030"}}',
         1,
         12,
-        r"words cannot be read on #303030: their contrast to it is 1\.\d",
+        r"text is not readable on #303030: the contrast is 1\.\d, less",
     ),
     ('{"pieces": {"sofa":\n "soffa"}}', 1, 13, 'there is no symbol "soffa": did you mean sofa[?]'),
     ('{"pieces": {"sofa": ["a", {"b": 1}], "bed": 3}}', 1, 13, "there is no symbol"),
-    ('{"heights": {"sofa": 0}}', 1, 14, "0 is no height: metres, more than 0"),
+    ('{"heights": {"sofa": 0}}', 1, 14, "0 is not a height: give metres, more"),
     (
         '{"symbols": {"s": [["line", [0, 0, 1, 1]],\n\n ["lin", [0, 0]]]}}',
         3,
@@ -103,9 +103,9 @@ MISTAKES = [
     ('{"symbols": {"s": [["ring", [0, 0]]]}}', 1, 20, "a ring has 3 numbers, not 2 numbers"),
     ('{"symbols": {"s": [["box", [0, 0, 1, 7]]]}}', 1, 20, "from 0 to 1"),
     ('{"colours": {}}', 1, 2, "there is no colours: "),
-    ('{"rooms": {"a": "#ffffff",\n "a": "#eeeeee"}}', 2, 2, "a stands twice"),
+    ('{"rooms": {"a": "#ffffff",\n "a": "#eeeeee"}}', 2, 2, "a appears twice"),
     ('{"rooms": {"a": "#ffffff",}}', 1, 27, "not JSON"),
-    ("[]", 1, 1, "an object is expected, of rooms, pieces, heights, symbols"),
+    ("[]", 1, 1, "expected an object with rooms, pieces, heights, symbols"),
 ]
 
 

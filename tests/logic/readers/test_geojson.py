@@ -229,7 +229,7 @@ def test_what_is_outside_is_a_room_where_the_grammar_has_such_rooms() -> None:
         feature(shapely.box(0, 0, 4, 4), type="hall"), feature(shapely.box(4, 0, 6, 4), type="patio")
     )
     assert [room.type for room in read_plan(record, types={"hall", "patio"}).rooms] == ["hall", "patio"]
-    with pytest.warns(PlanWarning, match="passed over, as they are no rooms: R1"):
+    with pytest.warns(PlanWarning, match="ignored, because they are not rooms: R1"):
         assert [room.type for room in read_plan(record, types={"hall"}).rooms] == ["hall"]
 
 
@@ -262,7 +262,7 @@ def test_lines_polygons_and_points_are_doors_where_a_word_says_so(
 @pytest.mark.parametrize("properties", [{"name": "Outline"}, {"type": "building"}, {"category": "Möbel"}])
 def test_an_outline_or_a_piece_is_no_room_and_is_said_to_be_passed_over(properties: dict[str, Any]) -> None:
     around = feature(shapely.box(0, 0, 9, 7.5), **properties)
-    with pytest.warns(PlanWarning, match="passed over beside the rooms: 1 Polygon"):
+    with pytest.warns(PlanWarning, match="ignored beside the rooms: 1 Polygon"):
         plan = read_plan(collection(around, *geojson(BOXES)["features"]))
     assert [room.name for room in plan.rooms] == list(BOXES)
 
@@ -291,7 +291,7 @@ def test_of_several_storeys_one_is_named(key: str) -> None:
         for each in geojson(BOXES)["features"][: 3 if level == "EG" else 5]
     ]
     with pytest.raises(
-        RequestError, match=r"2 storeys with rooms \(EG, OG 1\): say which, as in --storey EG"
+        RequestError, match=r"2 storeys with rooms \(EG, OG 1\): choose one, as in --storey EG"
     ):
         read_plan(collection(*features))
     assert len(read_plan(collection(*features), storey="eg").rooms) == 3

@@ -86,7 +86,7 @@ def house() -> Building:
 
 def test_of_several_storeys_the_named_one_is_read_with_its_own_doors(house: Building, tmp_path: Path) -> None:
     with pytest.raises(
-        RequestError, match=r"2 storeys with rooms \(EG, 1\. OG\): say which, as in --storey EG"
+        RequestError, match=r"2 storeys with rooms \(EG, 1\. OG\): choose one, as in --storey EG"
     ):
         house.rooms_of()
     assert house.rooms_of("EG") == GROUND
@@ -163,5 +163,5 @@ def test_a_zipped_model_is_read_and_one_in_xml_is_refused(house: Building, tmp_p
     (tmp_path / "a.ifczip").write_bytes(zipped({"pictures/a.png": "", "model.IFC": house.model.to_string()}))
     assert tuple(room.name for room in read_plan(tmp_path / "a.ifczip", storey="EG").rooms) == GROUND
     (tmp_path / "b.ifczip").write_bytes(zipped({"model.ifcxml": "<ifcXML/>"}))
-    with pytest.raises(RequestError, match=r"model\.ifcxml of the archive is no IFC .*: export it as \.ifc"):
+    with pytest.raises(RequestError, match=r"model\.ifcxml of the archive is not IFC .*: export it as \.ifc"):
         read_plan(tmp_path / "b.ifczip")

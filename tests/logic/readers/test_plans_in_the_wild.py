@@ -229,7 +229,7 @@ def test_a_loggia_with_rooms_all_around_it_is_a_room_of_any_type(tmp_path: Path)
     rings["Outdoor"] = [(0, 3), (2.9, 3), (2.9, 4.9), (0, 4.9)]
     rings["LivingRoom"] = [(-4, 0), (-0.1, 0), (-0.1, 8), (-4, 8)]
     rings["Kitchen"] = [(0, 5), (6, 5), (6, 8), (0, 8)]
-    with pytest.warns(PlanWarning, match="between rooms, so that they may be any: Outdoor"):
+    with pytest.warns(PlanWarning, match="between rooms, so they may have any type: Outdoor"):
         plan = drawn(tmp_path, *rings.items())
     assert {room.name: room.type for room in plan.rooms}["Outdoor"] == ""
 
@@ -252,9 +252,7 @@ def test_a_snap_is_proposed_where_it_does_and_only_there(tmp_path: Path) -> None
         return "Entry", [(x - off, y) for x, y in HALL[1]]
 
     living: tuple[str, Ring] = ("LivingRoom", [(0, 0), (3.9, 0), (3.9, 4), (0, 4)])
-    with pytest.raises(
-        RequestError, match=r"by 0\.080 m: .*, or pass --snap 0\.05, with which this plan is read"
-    ):
+    with pytest.raises(RequestError, match=r"by 0\.080 m: .*, or give --snap 0\.05, which reads this plan"):
         drawn(tmp_path, living, beside(0.18))
     assert len(read_plan(tmp_path / "plan.svg", snap=0.05).rooms) == 2
     with pytest.raises(RequestError) as refused:

@@ -274,7 +274,7 @@ def test_doors_that_are_shut_are_counted(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("features", "said"),
     [
-        ([feature(shapely.Point(0, 0))], "it has no polygon that is floor"),
+        ([feature(shapely.Point(0, 0))], "it has no polygon of floor"),
         (
             [feature(shapely.box(0, 0, 1e-6, 1e-6))],
             "it is 0.11 by 0.11 m: write it in metres, or in degrees",

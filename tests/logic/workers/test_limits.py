@@ -151,7 +151,7 @@ def test_a_limit_names_the_stage_and_what_refuted_most_and_is_kept(tmp_path: Pat
     assert 4.0 <= time.monotonic() - began < 4.0 + solver.GRACE + LATE
     said = str(caught.value)
     late = "house 0 reached its limit of 4 seconds: raise it with --seconds."
-    assert said.startswith(f"{late} It was at work on ")
+    assert said.startswith(f"{late} The last step was")
     refuted = re.search(
         r"(\d+) of (\d+) layouts of the rooms were refuted\. "
         r"(?:\d+ layouts? of furniture w\w+ refuted\. )?Most were refuted by\n +(\d+) times",
@@ -161,7 +161,7 @@ def test_a_limit_names_the_stage_and_what_refuted_most_and_is_kept(tmp_path: Pat
     assert 0 < int(refuted[3]) <= int(refuted[1]) <= int(refuted[2])
     lines = (made / "lengths.pl").read_text().splitlines()
     assert f"{made / 'lengths.pl'}:{lines.index(TIGHT[0][1]) + 1}:1: {TIGHT[0][1]}" in said
-    assert "To ease it, ask for fewer rooms, or give" in said
+    assert "To make it easier, ask for fewer rooms, or give" in said
     assert "logic/rules" not in said
 
 
@@ -185,7 +185,7 @@ def test_a_limit_of_a_search_names_the_rule_without_which_a_layout_is_found_and_
         said = str(caught.value)
         if place in said:
             break
-    assert "It was at work on the types and sides of the rooms (clingo)." in said
+    assert "The last step was the types and sides of the rooms (clingo)." in said
     assert said.endswith(f"\nA layout is soon found\n  without {place}: {rule}")
 
 
@@ -203,7 +203,7 @@ def test_a_limit_of_inferences_is_the_one_that_was_set_and_names_the_stage(
     with pytest.raises(LimitReached) as caught:
         next(generate(rooms=rooms, grammar=grammar, inferences=inferences))
     late = f"house 0 reached its limit of {inferences} inferences: raise it with --inferences"
-    assert str(caught.value).startswith(f"{late}. It was at work on {stage}")
+    assert str(caught.value).startswith(f"{late}. The last step was {stage}")
 
 
 def test_counting_takes_no_more_than_its_seconds() -> None:

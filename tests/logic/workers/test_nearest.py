@@ -60,5 +60,5 @@ def test_a_limit_says_how_many_lines_were_out(monkeypatch: pytest.MonkeyPatch) -
         raise LimitReached("house 0 reached its limit")
 
     monkeypatch.setattr(module, "houses", late)
-    with pytest.raises(LimitReached, match=r"the brief has a house was not found out: house 0"):
+    with pytest.raises(LimitReached, match=r"the brief could not be decided: house 0"):
         nearest(brief(10))

@@ -73,5 +73,5 @@ def test_the_command_says_the_proof_and_what_moves(
     assert end.value.code == 0
     out, err = capsys.readouterr()
     assert json.loads(out)["answer"]["broken"] == ["bath 0.030 m wider"]
-    assert "walls move by as little as can be:\n  bath 0.030 m wider" in err
+    assert "walls move as little as possible:\n  bath 0.030 m wider" in err
     assert "room_size(bathroom" in err

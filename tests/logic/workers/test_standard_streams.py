@@ -171,7 +171,7 @@ def test_a_series_is_made_again_and_continued_but_not_cut_short(command: Command
 def test_a_file_of_something_else_is_not_replaced(command: Command) -> None:
     Path("houses.jsonl").write_text('{"my": "notes"}\n')
     code, _, err = command(*GENERATE)
-    assert (code, "holds something else than houses" in err) == (2, True)
+    assert (code, "holds content that is not houses" in err) == (2, True)
 
 
 def test_a_converted_file_replaces_the_same_houses_alone(command: Command) -> None:

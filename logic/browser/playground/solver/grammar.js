@@ -43,7 +43,7 @@ function topologyOf(own, { rules, topologies, adjacent }) {
   const [{ topology, file, line, column }] = named.length ? named : [{ topology: "star" }];
   const isOwn = own.some(({ name }) => name === `${topology}.lp`);
   const table = topologies[isOwn ? "own" : topology];
-  if (topology === "building") throw new RuleError("houses of units are not made in the browser: the command vitruvius generate makes them", file, line, column);
+  if (topology === "building") throw new RuleError("the browser does not support houses of units: use the command vitruvius generate", file, line, column);
   const others = Object.keys(topologies).map((each) => (each === "own" ? "building" : each));
   if (!table) throw new RuleError(`${unknown("topology", topology, others)}; one of yours is a file ${topology}.lp beside this one`, file, line, column);
   const files = [...table.files, ...(isNamed && topology !== "star" ? [adjacent] : [])].sort();

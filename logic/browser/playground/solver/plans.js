@@ -23,7 +23,7 @@ export function plan(grammar, request, rng, inferences, isFurnishable) {
     const { type } = unfurnished.plan.rooms[pieces.failed];
     if (!isFurnishable(type)) unfurnishable.add(type);
   }
-  throw new LimitReached(`${mostTries} times a room could not be furnished at its size: try another seed, or larger rooms`);
+  throw new LimitReached(`after ${mostTries} attempts, some room could not be furnished at its sampled size: try another seed, or larger rooms`);
 }
 
 /** Walls, doors and windows, and the layout that they have. What is found infeasible is added to the nogoods. */

@@ -121,7 +121,7 @@ class Relaxed {
       if (whole && !learnt.length) return { layout: whole.atoms };
       if (!learnt.length) return { conflict };
     }
-    throw new LimitReached("the proof takes too long in the browser: vitruvius explain finds it");
+    throw new LimitReached("the proof takes too long in the browser: use vitruvius explain");
   }
 
   /** A layout as a nogood, with the clauses that must be stated for it, if stage 2 refutes it. */

@@ -11,7 +11,7 @@ export const terms = (atoms) => list(atoms.map((text) => prologText(parseTerm(te
 
 /** How often rooms may not leave the main room the area that it must have, though others might. */
 const MOST_MISFITS = 200, MOST_AREAS = 300;
-const NO_AREA = "the sampled rooms did not leave the main room the area that is left of house_area/2, though others might";
+const NO_AREA = "the sampled rooms left the main room an area outside house_area/2, but others might fit";
 
 /** Reasons why no star of this layout has the area that is stated, where the clauses `without` are left out; null where some may. */
 export function areaConflict(grammar, layout, without) {

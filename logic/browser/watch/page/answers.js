@@ -41,8 +41,8 @@ export function showProof({ message, reasons, advice }) {
 export function showWhy(why) {
   const sections = [
     ["Derived from facts and picks", (why.derivations ?? []).map(derivation)],
-    ["What could be instead, all other picks as they are", (why.choices ?? []).map(choice)],
-    ["Lengths, and what they could have been", (why.lengths ?? []).map(length)],
+    ["Alternatives, with all other picks unchanged", (why.choices ?? []).map(choice)],
+    ["Lengths, and their possible ranges", (why.lengths ?? []).map(length)],
     ["Bounds that are tight: both sides are equal here", (why.tight ?? []).map(bound)],
   ];
   showAnswer(`Why ${why.target}`, element("p", {}, why.about), ...sections

@@ -200,7 +200,7 @@ function measured(field, take) {
   const label = field.getAttribute("aria-label") ?? field.parentElement.textContent.trim();
   const bad = text && (least === undefined || Number(most ?? least) < Number(least));
   field.setAttribute("aria-invalid", Boolean(bad));
-  say(label, bad ? `“${text}” is no length or area: write 12, 10..14 or nothing` : "");
+  say(label, bad ? `“${text}” is not a length or an area: write 12, 10..14 or nothing` : "");
   if (!bad) {
     take(text === "" ? undefined : most === undefined ? Number(least) : [Number(least), Number(most)]);
     drawn();

@@ -77,7 +77,7 @@ function lineOf(joint) {
   const [from, to] = [places.get(joint.one), places.get(joint.other)];
   const ends = { x1: from.x, y1: from.y, x2: to.x, y2: to.y };
   const drawn = shape("g", { class: `joint ${joint.kind}` }, shape("line", { ...ends, class: "reach" }), shape("line", ends),
-    shape("title", {}, `${joint.one} – ${joint.other}: click for the next thing`));
+    shape("title", {}, `${joint.one} – ${joint.other}: click for the next kind`));
   drawn.addEventListener("click", () => clicked(joint));
   return drawn;
 }

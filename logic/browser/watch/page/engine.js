@@ -2,7 +2,7 @@
 // See page.js for what each member does. All addresses are relative, so they carry the page's token.
 
 let grammar = "";
-const ended = () => `The server has ended: run vitruvius watch ${grammar} again, and open the address that it prints.`;
+const ended = () => `The server has stopped: run vitruvius watch ${grammar} again, and open the address that it prints.`;
 
 export const engine = {
   editable: false,

@@ -100,7 +100,7 @@ async function redraw() {
 function refuse() {
   if (!rules) return;
   clear();
-  say("Nothing is drawn: a field below is wrong.");
+  say("No houses are drawn: a field below is invalid.");
 }
 
 /** What is shown answers another question. */
@@ -116,7 +116,7 @@ function receivePart({ kinds, findings, index, house, types, svg, problem }, req
   if (findings) {
     linted = 0;
     showFindings(findings);
-    say("The rules have a mistake: the houses are those of the last rules without one.");
+    say("The rules have a mistake: the page shows the houses of the last valid rules.");
     return false;
   }
   if (kinds) {
@@ -131,7 +131,7 @@ function receivePart({ kinds, findings, index, house, types, svg, problem }, req
   } else {
     if (problem.reasons) showProof(problem);
     else showAnswer("No house", element("p", {}, problem.message));
-    say(problem.reasons ? "There is no such house." : "No house was made.");
+    say(problem.reasons ? "There is no such house." : "No house was generated.");
     return false;
   }
   return true;
@@ -148,7 +148,7 @@ async function lint(version) {
     if (!signal.aborted) showFindings(findings);
   } catch (error) {
     // The houses are there: that line stays.
-    if (!signal.aborted) say(`${byId("status").textContent} Not all rules were judged.`, error.message);
+    if (!signal.aborted) say(`${byId("status").textContent} Some rules were not checked.`, error.message);
   }
 }
 
@@ -158,7 +158,7 @@ async function ask(house, part, index) {
   asking = new AbortController();
   if (!engine.why) return showPart(house, part, index);
   const { signal } = asking;
-  showAnswer(`Why ${part}`, element("p", {}, `House ${index} is made again.`));
+  showAnswer(`Why ${part}`, element("p", {}, `Vitruvius is regenerating house ${index}.`));
   try {
     const why = await engine.why(rules.version, house, part, signal);
     if (!signal.aborted) showWhy(why);

@@ -155,9 +155,9 @@ function mistakes() {
   const { seed } = byId("request").elements;
   const found = counts().flatMap(([name, text]) => {
     const title = name.split(".").slice(1).reverse().join(" of a ");
-    if (!COUNT.test(text)) return [[name, `${title}: “${text}” is no number of them: write 2, 1..3, 2.. or nothing.`]];
+    if (!COUNT.test(text)) return [[name, `${title}: “${text}” is not a count: write 2, 1..3, 2.. or nothing.`]];
     const [least, most] = [range(text)].flat();
-    return most != null && least > most ? [[name, `${title}: ${text} has its least above its greatest.`]] : [];
+    return most != null && least > most ? [[name, `${title}: ${text} has its minimum above its maximum.`]] : [];
   });
   return seed.checkValidity() ? found : [["seed", `Seed: a whole number from ${seed.min} to ${seed.max}.`], ...found];
 }

@@ -511,14 +511,14 @@ MISTAKES = (
         "furniture.lp",
         old="",
         new="#external cosy.",
-        says="what is #external holds in no house",
+        says="rules: #external atoms are false in every house",
     ),
     Mistake(
         "a script",
         "furniture.lp",
         old="",
         new="#script (python)\nprint(1)\n#end.",
-        says="a grammar holds rules, no scripts",
+        says="a grammar holds only rules, no scripts",
     ),
     Mistake(
         "a wish",
@@ -540,7 +540,7 @@ MISTAKES = (
         "rooms.lp",
         old="",
         new='#include "more.lp".',
-        says="an include stands at the top of its file, alone on its line",
+        says="an include must be at the top of its file, alone on its line",
     ),
     Mistake(
         "a letter that is not plain",

@@ -37,7 +37,7 @@ MISTAKES = (
     Command("train --no-resum", ("no option --no-resum", "did you mean --no-resume?")),
     Command("bench generator --round 5", ("no option --round", "did you mean --rounds?")),
     Command("check", ("vitruvius check: give FILE: House file, or - for the standard input.",)),
-    Command("check houses.jsonl b", ("b is one word too many", "see vitruvius check --help")),
+    Command("check houses.jsonl b", ("unexpected argument b", "see vitruvius check --help")),
     Command("convert houses.jsonl", ("give --out PATH: New house file",)),
     Command("generate --rooms", ("--rooms: give a value, as in --rooms N",)),
     Command("generate --rooms --count 3", ("--rooms: give a value",)),
@@ -55,12 +55,12 @@ MISTAKES = (
     Command("train --config mine.toml", ("mine.toml: cannot be read: No such file",), 5),
     Command("train --config", ("--config: give a value, as in --config PATH",)),
     Command("info housse.jsonl", ("there is no such file", "did you mean houses.jsonl?"), 5),
-    Command("info runs", ("no run (config.json) and no grammar", "it has mine"), 5),
+    Command("info runs", ("), a run (config.json) or a grammar (.lp)", "it has mine"), 5),
     Command("train --preset map-completio", ("no preset map-completio", "did you mean map-completion?")),
     Command("train --preset=best", ("there is no preset best: there are pqn,",)),
     Command(
         "evaluate dqn",
-        ("dqn: is a preset of train, and no agent", "train --preset dqn", "runs/dqn/agent.safetensors"),
+        ("dqn: is a preset of train, not an agent", "train --preset dqn", "runs/dqn/agent.safetensors"),
         5,
     ),
     Command("evaluate mapcompletion", ("there is no agent mapcompletion", "did you mean map-completion?"), 5),
@@ -81,7 +81,7 @@ MISTAKES = (
     Command("evaluate --targets scondary", ("there is no task scondary", "did you mean secondary?")),
     # values
     Command(
-        "generate --rooms 3 --type bathroom", ("--type bathroom: say how many, as in --type bathroom=2 or",)
+        "generate --rooms 3 --type bathroom", ("--type bathroom: give a count, as in --type bathroom=2 or",)
     ),
     Command("generate --rooms 0", ("rooms must be a whole number, 1 or more, not 0",)),
     Command("generate --rooms 300", ("rooms must be at most 128, not 300",)),
@@ -92,15 +92,15 @@ MISTAKES = (
     Command("train --sim noise=much", ("--sim noise=much", "Expected `float`")),
     Command("train --sim ray_spacing=2", ("--sim ray_spacing=2", "it must divide 45")),
     Command("train --targets mian", ("there is no task mian", "did you mean main?")),
-    Command("train --targets {'task':'reach'}", ("is no JSON",)),
+    Command("train --targets {'task':'reach'}", ("is not JSON",)),
     Command('train --targets {"task":"reach"}', ("cannot be used", "'room'")),
     Command("train --targets nowhere:Task", ("cannot be used", "nowhere")),
-    Command("generate --rooms 3 --piece bed=two", ("--piece bed=two: say how many, as in --piece bed=2",)),
-    Command("generate --rooms 3 --type hall=1 --type hall=2", ("hall is given before: give each name once",)),
+    Command("generate --rooms 3 --piece bed=two", ("--piece bed=two: give a count, as in --piece bed=2",)),
+    Command("generate --rooms 3 --type hall=1 --type hall=2", ("hall is given twice: give each name once",)),
     Command(
         "explain houses.jsonl --why bed", ("there is no bed: did you mean R", ".bed? the house has main")
     ),
-    Command("lint houses.jsonl", ("houses.jsonl: is a file, and a grammar is a folder of rule files",), 5),
+    Command("lint houses.jsonl", ("houses.jsonl: is a file, but a grammar is a folder of rule files",), 5),
     Command("draw houses.jsonl --grammar famly", ("no grammar famly", "did you mean family?"), 5),
     Command("check houses.jsonl --promises famly", ("no grammar famly", "did you mean family?"), 5),
     # files that are written
@@ -110,8 +110,8 @@ MISTAKES = (
     Command("generate --rooms 2 --count 2 --out x.json", ("holds one house, not 2", "use .jsonl")),
     Command("generate --rooms 2 --out runs", ("runs: is a folder", "runs/name.jsonl")),
     Command("export pqn --out x.pt", ("x.pt: .pt is not written", ".onnx")),
-    Command("evaluate --out x.json", ("x.json: a folder is written",)),
-    Command("train --steps 1 --out x.safetensors", ("x.safetensors: a folder is written",)),
+    Command("evaluate --out x.json", ("x.json: the output is a",)),
+    Command("train --steps 1 --out x.safetensors", ("x.safetensors: the output is a",)),
     # fixed rooms
     Command(
         "generate --rooms 1 --keep houses.jsonl",
@@ -119,13 +119,13 @@ MISTAKES = (
     ),
     Command("generate --rooms 3 --keep houses.jsonl --keep-rooms R0 R5", ("no room R5", "there are R0, R1")),
     Command("generate --rooms 3 --keep houses.jsonl --keep-house 1", ("has houses 0 to 0",)),
-    Command("generate --rooms 3 --keep-rooms R0", ("give it by --keep FILE",)),
+    Command("generate --rooms 3 --keep-rooms R0", ("file: give it with --keep FILE",)),
     Command("generate --rooms 3 --keep houses.jsonl --cell 0.3", ("leave out cell or keep",)),
     Command("generate --rooms 3 --keep houses.jsonl --count-layouts", ("leave out --keep",)),
     Command("generate --rooms 3 --count-layouts --out houses.jsonl", ("leave out --out",)),
     # plans of the user's
-    Command("generate", ("rooms: say how many, as in --rooms 6", "--plan FILE")),
-    Command("generate --count-layouts", ("say how many, as in --rooms 6",)),
+    Command("generate", ("rooms: give a number, as in --rooms 6, or", "in --plan FILE")),
+    Command("generate --count-layouts", ("as in --rooms 6",)),
     Command("generate --plan houses.jsonl --rooms 9", ("it has 3 rooms, but rooms=9: leave rooms out",)),
     Command("generate --plan houses.jsonl --cell 0.3", ("leave out cell or plan",)),
     Command("generate --plan houses.jsonl --keep houses.jsonl", ("leave out keep or plan",)),
