@@ -56,7 +56,7 @@ def test_it_is_short() -> None:
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_the_files_that_a_page_links_to_or_names_exist(page: Path) -> None:
-    """This needs no site, which is slow to build."""
+    """The test needs no site, which is slow to build."""
     text = page.read_text()
     links = [page.parent / link for link in re.findall(r"\]\((?!\w+:|#)([^)\s#]+)", text)]
     names = re.findall(r"`((?:logic|sim|agent|vitruvius|benchmarks|tests|docs|examples)/[\w./-]*\w/?)`", text)
