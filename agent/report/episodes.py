@@ -6,7 +6,7 @@ from pathlib import Path
 import msgspec
 
 from vitruvius.agent.recording.trace import MARGIN_M, Trace, load
-from vitruvius.agent.report.page import Section
+from vitruvius.agent.report.html import Section
 from vitruvius.logic import House
 from vitruvius.logic.drawing.canvas import Drawing, svg
 from vitruvius.logic.drawing.frame import Frame, extent

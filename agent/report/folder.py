@@ -10,7 +10,7 @@ from pathlib import Path
 
 import msgspec
 
-from vitruvius.agent.report.page import ReportError, Section, inline, page
+from vitruvius.agent.report.html import ReportError, Section, inline, page
 from vitruvius.logic.errors import RequestError
 from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.opener import content_of, from_json
@@ -44,7 +44,7 @@ MAX_ABOUT_BYTES = 1 << 20
 
 
 class About(msgspec.Struct):
-    """Title of a report, and paragraphs of its last section, as ``agent.report.page.inline`` takes them."""
+    """Title of a report, and paragraphs of its last section, as ``agent.report.html.inline`` takes them."""
 
     title: str
     words: list[str] = []

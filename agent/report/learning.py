@@ -8,7 +8,7 @@ from typing import Any
 import msgspec
 
 from vitruvius.agent.learning.learner import Progress
-from vitruvius.agent.report.page import Cell, ReportError, Section, details, inline, table
+from vitruvius.agent.report.html import Cell, ReportError, Section, details, inline, table
 from vitruvius.agent.report.plots import Axis, DataSeries, line_plot, slots, some
 from vitruvius.agent.runs.runs import MAX_METRICS_BYTES, Folder
 from vitruvius.logic.opener import content_of, from_json, opened

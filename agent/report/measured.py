@@ -13,7 +13,7 @@ from vitruvius.agent.evaluation.result import HUMAN, HUMAN_RATIO, yardstick
 from vitruvius.agent.evaluation.scores import Figure, ModeScores, PolicyScores, ScoredBank
 from vitruvius.agent.evaluation.statistics import Estimate, interquartile_mean
 from vitruvius.agent.evaluation.tables import DRIVING_NOTE, LABELS, SCORE_NOTE, capital, human_name
-from vitruvius.agent.report.page import Cell, Section, details, inline, table
+from vitruvius.agent.report.html import Cell, Section, details, inline, table
 from vitruvius.agent.report.plots import Axis, DataSeries, interval_plot, line_plot, slots
 from vitruvius.logic import load
 from vitruvius.logic.looks.looks import looks_of, spaced

@@ -11,7 +11,7 @@ from vitruvius.agent.banks import BANKS, bank_hash, benchmark
 from vitruvius.agent.evaluation import scores
 from vitruvius.agent.evaluation.result import yardstick
 from vitruvius.agent.evaluation.tables import LABELS
-from vitruvius.agent.report.page import Section, data
+from vitruvius.agent.report.html import Section, data
 from vitruvius.logic import House, load
 from vitruvius.logic.drawing.draw import plan_svg
 from vitruvius.logic.files.house_files import MOST_BYTES, MOST_LINE

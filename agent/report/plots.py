@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from vitruvius.agent.evaluation.statistics import Estimate
-from vitruvius.agent.report.page import details, table
+from vitruvius.agent.report.html import details, table
 from vitruvius.logic.spelling import markup
 
 SLOTS = {

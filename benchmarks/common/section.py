@@ -9,7 +9,7 @@ import numpy as np
 
 from benchmarks.common.pages import machine
 from benchmarks.common.series import AXES, is_rate, law, panels_of, series_of
-from vitruvius.agent.report.page import ReportError, Section, inline, table
+from vitruvius.agent.report.html import ReportError, Section, inline, table
 from vitruvius.agent.report.plots import Axis, DataSeries, line_plot
 
 COLOURS = 10

@@ -6,7 +6,7 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
-from vitruvius.agent.report.page import ReportError, Section, table
+from vitruvius.agent.report.html import ReportError, Section, table
 from vitruvius.agent.report.plots import Axis, DataSeries, line_plot
 
 

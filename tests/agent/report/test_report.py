@@ -23,8 +23,8 @@ from vitruvius.agent.recording import trace
 from vitruvius.agent.recording.trace import Trace, TraceError
 from vitruvius.agent.report import plans
 from vitruvius.agent.report.folder import describe, report, write_report
+from vitruvius.agent.report.html import ReportError
 from vitruvius.agent.report.measured import section as measured_section
-from vitruvius.agent.report.page import ReportError
 from vitruvius.agent.report.plots import Axis, DataSeries, line_plot, some
 from vitruvius.commands.report import Report
 from vitruvius.logic import House, HouseFileError, save
