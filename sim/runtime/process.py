@@ -4,6 +4,7 @@ Taichi prints a greeting on standard output. Standard output belongs to the prog
 so the greeting is discarded.
 """
 
+import atexit
 import contextlib
 import io
 import os
@@ -104,6 +105,8 @@ def _begin(arch: Any, threads: int | None) -> None:
     before = threads_now()
     with contextlib.redirect_stdout(io.StringIO()):
         ti.init(**options)
+    # Taichi stores kernels as its program ends, which the order in which Python clears modules may prevent.
+    atexit.register(ti.reset)
     # This thread alone can do so. Then other threads can compile and launch before any field exists.
     impl.get_runtime().materialize()
     spread(sorted(threads_now() - before), threads)
