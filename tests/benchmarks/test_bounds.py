@@ -9,15 +9,15 @@ import torch
 
 from benchmarks.planner.backed_up import FIRST, backed_up
 from benchmarks.planner.bounds import Bounds
+from tests.sample_houses import FOUR_ROOMS
 from vitruvius.agent.evaluation.episodes import reset
 from vitruvius.agent.learning.environments import make_envs
 from vitruvius.agent.policies.episodes import moments
-from vitruvius.logic import generate
 from vitruvius.logic.errors import RequestError
 
 pytestmark = pytest.mark.second_part("each study is run in small")
 
-HOUSES = list(generate(4, seed=31, count=4))
+HOUSES = FOUR_ROOMS
 EVERYONE = np.arange(len(HOUSES))
 
 

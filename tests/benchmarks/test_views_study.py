@@ -20,6 +20,7 @@ from benchmarks.planner.views import (
     shares,
     without,
 )
+from tests.sample_houses import THREE_ROOMS
 from vitruvius.agent.algorithms.map_completion.network import PIECES
 from vitruvius.agent.algorithms.search.config import SearchConfig
 from vitruvius.agent.algorithms.search.learner import LearnedSearch
@@ -30,12 +31,11 @@ from vitruvius.agent.evaluation.episodes import reset
 from vitruvius.agent.learning.environments import make_envs
 from vitruvius.agent.learning.simulator import sensor
 from vitruvius.agent.policies.episodes import moments
-from vitruvius.logic import generate
 from vitruvius.logic.errors import RequestError
 
 pytestmark = pytest.mark.second_part("each study is run in small")
 
-HOUSES = list(generate(3, seed=31, count=4))
+HOUSES = THREE_ROOMS
 PLAIN = replace(cast(SearchConfig, PRESETS[AGENT]), foresight=False, looks=False)
 CONFIG = replace(cast(SearchConfig, PRESETS[AGENT]), buffer_size=130, restarts=0.1)
 

@@ -11,7 +11,7 @@ import torch
 from vitruvius.agent.learning.environments import make_envs, shield
 from vitruvius.agent.planner import TAKEN, TUNED, Planner
 from vitruvius.agent.policies.policies import Explorer
-from vitruvius.logic import generate
+from vitruvius.logic import House, generate
 from vitruvius.sim.config import DEFAULT, NOISY
 
 pytestmark = pytest.mark.second_part("the planner in noisy worlds")
@@ -20,7 +20,12 @@ E = 64
 
 
 SLIPPERY = replace(DEFAULT, slip=0.01)
-HOUSES = [house for rooms in (3, 5) for house in generate(rooms, grammar="family", seed=7, count=8)]
+
+
+@cache
+def houses() -> list[House]:
+    """Return the houses of all walks; they are not made as tests are collected."""
+    return [house for rooms in (3, 5) for house in generate(rooms, grammar="family", seed=7, count=8)]
 
 
 class Play(NamedTuple):
@@ -41,9 +46,9 @@ class Play(NamedTuple):
 
 @cache
 def play(config, steps, tuned=TUNED):
-    envs = make_envs(HOUSES, E, "secondary", preset=config)
+    envs = make_envs(houses(), E, "secondary", preset=config)
     policy = Explorer(shield(envs), envs.config, tuned)
-    observation, info = envs.reset(seed=1, options={"house": np.arange(E) % len(HOUSES)})
+    observation, info = envs.reset(seed=1, options={"house": np.arange(E) % len(houses())})
     policy.begin(E)
     blocked, rows, found = torch.zeros(E, dtype=torch.bool), [], 0.0
     for _ in range(steps):

@@ -8,6 +8,7 @@ import torch
 
 from benchmarks.planner.contenders import with_shuffled_predictions
 from benchmarks.planner.truth import truth
+from tests.sample_houses import FOUR_ROOMS
 from vitruvius.agent.algorithms.build import network_of, policy_of
 from vitruvius.agent.algorithms.map_completion.config import CompletionConfig
 from vitruvius.agent.algorithms.map_completion.foresight import (
@@ -33,7 +34,7 @@ from vitruvius.logic import generate
 from vitruvius.logic.errors import RequestError
 from vitruvius.sim.config import DEFAULT, PAPER
 
-HOUSES = list(generate(4, seed=31, count=4))
+HOUSES = FOUR_ROOMS
 EVERYONE = np.arange(len(HOUSES))
 STEPS = 400
 KINDS = "bed", "chair"

@@ -8,6 +8,7 @@ import pytest
 import torch
 
 from benchmarks.planner.true_views import true_views
+from tests.sample_houses import FOUR_ROOMS
 from vitruvius.agent.algorithms.build import learner_of, network_of, policy_of
 from vitruvius.agent.algorithms.map_completion.windows import Windows
 from vitruvius.agent.algorithms.search.chooser import ViewChooser, best
@@ -49,7 +50,7 @@ from vitruvius.logic.errors import RequestError
 from vitruvius.sim.config import DEFAULT, PAPER
 from vitruvius.sim.tasks.survey import survey
 
-HOUSES = list(generate(4, seed=31, count=4))
+HOUSES = FOUR_ROOMS
 EVERYONE = np.arange(len(HOUSES))
 MIDDLE = PLACES // 2
 SMALL = SearchConfig(targets="secondary", channels=(4, 4), num_envs=4, num_steps=16, batch_size=4)
