@@ -68,12 +68,10 @@ class Standing:
 class Passing(Standing):
     """Current period of a world's rotation."""
 
-    rotation: HouseRotation  # pyright: ignore[reportIncompatibleVariableOverride] - it always has one
-
     def __init__(self, world: World, rotation: HouseRotation) -> None:
         """Begin with the first period, whose houses the world already has."""
         super().__init__(world)
-        self.rotation = rotation
+        self.rotation: HouseRotation = rotation  # pyright: ignore[reportIncompatibleVariableOverride]
         self.pool = ThreadPoolExecutor(1, "rotation")
         self.number = self.steps = 0
         self._begin(1)

@@ -75,11 +75,11 @@ def rooms(made: Builder) -> list[Seen]:
     found = []
     for index in range(3):
         house = made.house(HouseRequest(7), 2, index)
-        assert made.maker.making is not None
-        for program in {each.program for each in made.maker.making.furniture.values()}:
+        assert made.origin is not None
+        for program in {each.program for each in made.origin.furniture.values()}:
             program.models = []
         assert made.house(HouseRequest(7), 2, index).rooms == house.rooms
-        for number, how in made.maker.making.furniture.items():
+        for number, how in made.origin.furniture.items():
             models = [all_ for layout, all_ in how.program.models or () if layout == how.layout.furniture]
             found.append(Seen(made, how, house.rooms[number], models[-1]))
     assert len(found) > 10

@@ -58,7 +58,7 @@ class Explained:
     def __init__(self, builder: Builder, request: dict, seed: int) -> None:
         self.builder, self.request = builder, HouseRequest.read(request)
         self.house = builder.house(self.request, seed, 0)
-        self.layout = builder.maker.making
+        self.layout = builder.origin
         self.witness = StarWitness(builder, self.house)
         self.answers: dict[str, Why] = {}
 

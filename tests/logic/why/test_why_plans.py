@@ -99,7 +99,7 @@ def test_what_could_be_instead_can_and_what_could_not_cannot(four: Explained) ->
 
 def test_a_room_could_be_as_large_as_any_house_of_the_same_layout_has_it(four: Explained) -> None:
     """Walls are sampled again: no size exceeds the bounds, and some come near them."""
-    layout = four.builder.maker.making
+    layout = four.builder.origin
     assert layout
     why = {length.name: length for length in four.why("R1").lengths}
     room = four.house.room("R1")

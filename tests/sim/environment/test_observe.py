@@ -16,7 +16,6 @@ from vitruvius.sim import DEFAULT, Config, HouseEnv, HouseVectorEnv
 from vitruvius.sim.actions import ACTIONS, FORWARD, LEFT
 from vitruvius.sim.backends.continuous import Continuous
 from vitruvius.sim.config import EXTRAS, RAYS
-from vitruvius.sim.parts import PARTS
 
 HOUSES = sample_houses.RANDOM[:2]
 COUNT = 8
@@ -85,7 +84,7 @@ def test_rays_and_all_else_are_what_they_are_without_the_other_parts():
         np.testing.assert_array_equal(pairs[0][0]["rays"], pairs[1][0])
         np.testing.assert_array_equal(flattened(pairs[0][0]), pairs[2][0])
         pairs = [each.step(chosen) for each in (envs, plain, flat)]
-    assert flat.single_observation_space.shape == (80 + sum(PARTS[name].numbers for name in ON_A_LATTICE),)
+    assert flat.single_observation_space.shape == (80 + sum(map(ALL.numbers_of, ON_A_LATTICE)),)
 
 
 def test_kinds_of_environments_are_made_in_any_order():
