@@ -184,7 +184,7 @@ def test_what_is_no_trace_is_refused_by_one_line(tmp_path, mapped, change, says)
 def test_what_is_no_json_is_refused_by_one_line(tmp_path, content) -> None:
     path = tmp_path / "x.trace.json"
     path.write_bytes(content)
-    with pytest.raises(TraceError, match=r"x.trace.json: no trace: .*vitruvius record --out"):
+    with pytest.raises(TraceError, match=r"x.trace.json: not a trace: .*vitruvius record --out"):
         trace.load(path)
     with pytest.raises(TraceError, match=r"absent: cannot be read: No such file"):
         trace.load(tmp_path / "absent")

@@ -103,15 +103,15 @@ def test_a_checkpoint_that_names_too_many_houses_is_refused(tmp_path, monkeypatc
     monkeypatch.setattr("vitruvius.agent.runs.checkpoint.MAX_LEARNT_HOUSES", 2)
     path = tmp_path / "a.safetensors"
     save(Checkpoint(network_of(CONFIG), CONFIG, 512, learnt_in=frozenset({1, 2, 3})), path)
-    assert "learnt_in must be at most 2 numbers" in refusal(path)
+    assert "learnt_in must be at most 2 64-bit numbers" in refusal(path)
 
 
 def test_a_network_of_another_shape_is_refused(tmp_path):
     path = tmp_path / "agent.safetensors"
     other = QNetwork(rays=20).state_dict()
-    assert ": the checkpoint does" in refusal(spoiled(path, other))
-    assert ": the checkpoint does" in refusal(spoiled(path, {"look.weight": torch.ones(1)}))
-    assert ": the checkpoint does" in refusal(spoiled(path, config=json.dumps({"half_lives": [1]})))
+    assert ": the checkpoint does not fit this network" in refusal(spoiled(path, other))
+    assert ": the checkpoint does not fit this network" in refusal(spoiled(path, {"look.weight": torch.ones(1)}))
+    assert ": the checkpoint does not fit this network" in refusal(spoiled(path, config=json.dumps({"half_lives": [1]})))
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])
