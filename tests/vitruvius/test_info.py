@@ -133,7 +133,7 @@ def test_games_scores_traces_plans_grammars_settings_and_weights_are_told(tmp_pa
         ("zip.jsonl.gz", gzip.compress(b"{}", mtime=0)[:-9], HouseFileError, "zip.jsonl.gz: cannot be read"),
         ("bad.safetensors", b"\x09\0\0\0\0\0\0\0{}", UnknownFileError, "not a checkpoint of Vitruvius. Make"),
         ("rooms.lp", b"a.", UnknownFileError, "a rule file: look at its grammar"),
-        ("plan.geojson", b'{"type": "FeatureCollection"}', UnknownFileError, "GeoJSON, but no plan"),
+        ("plan.geojson", b'{"type": "FeatureCollection"}', UnknownFileError, "GeoJSON, but not a plan"),
         (
             "scores.json",
             b'{"bank": 1, "targets": 2}',
@@ -156,7 +156,7 @@ def test_what_is_none_or_damaged_gets_one_line(
 
 
 def test_folders_and_names_that_are_nothing_say_what_there_is(tmp_path: Path) -> None:
-    with pytest.raises(UnknownFileError, match=r"no run .* and no grammar .*: it has nothing"):
+    with pytest.raises(UnknownFileError, match=r"a run .* or a grammar .*: it has nothing"):
         recognised(str(tmp_path))
     (tmp_path / "houses.jsonl").touch()
     with pytest.raises(UnknownFileError, match=f"look at {tmp_path}/houses.jsonl"):

@@ -98,7 +98,7 @@ def test_a_file_that_holds_no_scores_is_refused(content, tmp_path):
     path = tmp_path / "scores.json"
     if content is not None:
         path.write_bytes(content)
-    with pytest.raises(ScoreError, match=r"no scores|cannot be read"):
+    with pytest.raises(ScoreError, match=r"not scores|cannot be read"):
         external(path, HOUSES, ["main"])
 
 

@@ -110,8 +110,12 @@ def test_a_network_of_another_shape_is_refused(tmp_path):
     path = tmp_path / "agent.safetensors"
     other = QNetwork(rays=20).state_dict()
     assert ": the checkpoint does not fit this network" in refusal(spoiled(path, other))
-    assert ": the checkpoint does not fit this network" in refusal(spoiled(path, {"look.weight": torch.ones(1)}))
-    assert ": the checkpoint does not fit this network" in refusal(spoiled(path, config=json.dumps({"half_lives": [1]})))
+    assert ": the checkpoint does not fit this network" in refusal(
+        spoiled(path, {"look.weight": torch.ones(1)})
+    )
+    assert ": the checkpoint does not fit this network" in refusal(
+        spoiled(path, config=json.dumps({"half_lives": [1]}))
+    )
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])

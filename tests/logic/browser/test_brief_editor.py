@@ -95,7 +95,7 @@ def test_what_the_table_says_stands_in_the_json_and_in_the_address(editor: Page)
 
 def test_what_is_no_brief_is_said_in_words_and_nothing_is_drawn(editor: Page) -> None:
     for label, text, words in (
-        ("Area of Room 1", "12..10", "“12..10” is no length or area"),
+        ("Area of Room 1", "12..10", "“12..10” is not a length or an area"),
         ("Name of room 1", "Room 2", "another room is called Room 2"),
         ("Name of room 1", "", "a room has a name"),
     ):
@@ -112,7 +112,7 @@ def test_what_is_no_brief_is_said_in_words_and_nothing_is_drawn(editor: Page) ->
 
 def test_a_brief_keeps_a_room_and_forgets_what_was_wrong_of_one_that_is_left_out(editor: Page) -> None:
     editor.get_by_label("Area of Room 2").fill("much")
-    expect(editor.locator("#brief-wrong")).to_contain_text("“much” is no length")
+    expect(editor.locator("#brief-wrong")).to_contain_text("“much” is not a length")
     editor.get_by_role("button", name="Leave Room 2 out").click()
     expect(editor.locator("#brief-wrong")).to_have_text("")
     drawn(editor, 2)

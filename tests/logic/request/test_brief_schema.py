@@ -37,5 +37,5 @@ NO_BRIEFS: dict[str, Callable[[Path], object]] = {
 @pytest.mark.parametrize("kind", NO_BRIEFS)
 def test_a_file_that_is_no_brief_is_refused_in_a_line_and_not_waited_for(kind: str, tmp_path: Path) -> None:
     NO_BRIEFS[kind](tmp_path / "brief.json")
-    with pytest.raises(RequestError, match=r"\Abrief: .*brief\.json (cannot be read|is no JSON): .+\Z"):
+    with pytest.raises(RequestError, match=r"\Abrief: .*brief\.json (cannot be read|is not JSON): .+\Z"):
         read_brief(tmp_path / "brief.json")

@@ -132,5 +132,5 @@ def test_an_empty_plan_and_a_damaged_one_are_named_as_such(tmp_path: Path) -> No
     with pytest.raises(HouseFileError, match="holds no house, and a plan is a house file"):
         read_plan(tmp_path / "plan.geojson")
     (tmp_path / "plan.geojson").write_text('{"type": "Polygon", ')
-    with pytest.raises(HouseFileError, match="is no GeoJSON: Expecting property name"):
+    with pytest.raises(HouseFileError, match="is not GeoJSON: Expecting property name"):
         read_plan(tmp_path / "plan.geojson")
