@@ -259,7 +259,7 @@ def test_without_the_server_a_stopped_page_says_what_to_do(browser, at):
     page.get_by_role("button", name="Stop").click()
     page.get_by_role("button", name="Another seed").click()
     expect(page.locator("#status")).to_contain_text(
-        "The solvers cannot be loaded: the server of this page has ended"
+        "The solvers cannot be loaded: the server of this page has stopped"
     )
     page.context.set_offline(False)
     page.get_by_role("slider", name="Rooms").fill("2")
