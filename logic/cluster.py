@@ -24,10 +24,10 @@ from vitruvius.logic.terminal import say
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
-RETRIES = 5
+MAX_RETRIES = 5
 """Number of times that Ray restarts a task after its process or node is lost."""
 
-AHEAD = 2
+TASKS_PER_PROCESSOR = 2
 """Number of running or queued tasks per processor, enough that no processor waits for its next task."""
 
 CONNECTS, ANSWERS = 5.0, 15.0
@@ -84,7 +84,7 @@ class Cluster:
 
         nodes = [int(node["Resources"].get("CPU", 0)) for node in ray.nodes() if node["Alive"]]
         processors = max(1, *nodes) if alone else 1
-        task = ray.remote(num_cpus=processors, max_retries=RETRIES)(_called)
+        task = ray.remote(num_cpus=processors, max_retries=MAX_RETRIES)(_called)
         waiting, begun = dict[Any, int](), 0
         while waiting or begun < len(items):
             while begun < len(items) and len(waiting) < self._room():
@@ -101,7 +101,7 @@ class Cluster:
         """Return the number of tasks that may run or wait now, since machines join and leave the cluster."""
         import ray
 
-        return self._most or AHEAD * max(1, int(ray.cluster_resources().get("CPU", 0)))
+        return self._most or TASKS_PER_PROCESSOR * max(1, int(ray.cluster_resources().get("CPU", 0)))
 
     def _result(self, done: Any) -> Any:
         import ray
@@ -116,7 +116,7 @@ class Cluster:
             ) from None
         except RayError as error:
             why = _sentence(str(error))
-            raise Killed(f"the process or node of a task was lost {RETRIES + 1} times: {why}") from None
+            raise Killed(f"the process or node of a task was lost {MAX_RETRIES + 1} times: {why}") from None
         for each in returned.warned:
             if str(each) not in self._warned:
                 self._warned.add(str(each))

@@ -8,7 +8,7 @@ from functools import partial
 from types import FrameType
 from typing import Any
 
-AGAIN = 0.2
+AGAIN_S = 0.2
 """Seconds after which ``act`` runs again if a signal came during an import, which may have swallowed it."""
 
 
@@ -93,7 +93,7 @@ def _at(number: signal.Signals, act: Callable[[], object], then: Any) -> Iterato
         signal.signal(number, then)
         if importing := _imports(frame):
             signal.signal(signal.SIGALRM, heed)
-            signal.setitimer(signal.ITIMER_REAL, AGAIN)
+            signal.setitimer(signal.ITIMER_REAL, AGAIN_S)
         act()
 
     importing = False

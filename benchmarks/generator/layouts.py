@@ -16,7 +16,7 @@ from clingo import Symbol
 
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.grammar import find
-from vitruvius.logic.layout.program import EVERY, Program
+from vitruvius.logic.layout.program import ALL_LAYOUTS, Program
 
 PARTS = {
     "types": {"room": (0, 1)},
@@ -88,7 +88,7 @@ def spread(grammar: str, subject: int | str, samples: int, tries: int, seconds: 
     """
     builder = Builder(find(grammar))
     make: Any = builder.programs.rooms if isinstance(subject, int) else builder.programs.furniture
-    listed = every_layout(make(subject, arguments=EVERY), seconds)
+    listed = every_layout(make(subject, arguments=ALL_LAYOUTS), seconds)
     program: Program = make(subject)
     sampled = Counter(tuple(program.sample(np.random.default_rng([1, i])) or ()) for i in range(samples))
     conditioned = by_rejection(program, np.random.default_rng(2), tries)

@@ -23,7 +23,7 @@ from vitruvius.logic.generation.shared_walls import Assumed, PlanDraft, PlanRule
 from vitruvius.logic.grammar import find
 from vitruvius.logic.layout.differences import DIFFERENCES
 from vitruvius.logic.layout.program import Program
-from vitruvius.logic.layout.programs import GIVEN
+from vitruvius.logic.layout.programs import GIVEN_ROOM_CONSTANTS
 from vitruvius.logic.layout.terms import parts
 from vitruvius.logic.placement import prolog
 from vitruvius.logic.placement.placer import Placer
@@ -155,7 +155,7 @@ def _lax(builder: Builder, type_: str, part: str, doorways: Sequence[Symbol] = (
         for fact, _ in builder.loaded.lengths[type_]
         if part == "capacity" or fact.name != "reach"
     ]
-    constants = {"this_room": type_, **(GIVEN if part == "plan" else {})}
+    constants = {"this_room": type_, **(GIVEN_ROOM_CONSTANTS if part == "plan" else {})}
     return builder.grammar.asp, constants, [("room", []), (part, []), *parts([*facts, *doorways])]
 
 

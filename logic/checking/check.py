@@ -47,8 +47,8 @@ from vitruvius.logic.checking.star import (
 from vitruvius.logic.checking.walking import impassable, unentered
 from vitruvius.logic.house.boxes import TOLERANCE
 from vitruvius.logic.house.house import House
-from vitruvius.logic.house.kinds import Kind
 from vitruvius.logic.house.promises import Promises
+from vitruvius.logic.house.topology_kinds import Kind
 
 MAX_VIOLATIONS = 1000
 """Largest number of violations that are listed for a house. Crowded pieces and doors have millions."""

@@ -10,9 +10,9 @@ from vitruvius.logic.checking.names import space_name
 from vitruvius.logic.checking.walk import way_through
 from vitruvius.logic.house.boxes import TOLERANCE, distance, front, overlap
 from vitruvius.logic.house.house import House
-from vitruvius.logic.house.kinds import Kind
 from vitruvius.logic.house.parts import OUTSIDE, Door, Piece, Room
 from vitruvius.logic.house.promises import FRONTAL, Promises
+from vitruvius.logic.house.topology_kinds import Kind
 
 
 def near_doors(house: House, room: Room, piece: Piece, promises: Promises) -> Iterator[str]:

@@ -2,10 +2,10 @@
 
 from collections.abc import Callable
 
-MOST = 9
+MAX_DECIMALS = 9
 """Largest number of decimals. Values that differ by less look alike in every text."""
 
-SAME = 1e-7
+SAME_M = 1e-7
 """Distance from a bound within which a value is on neither side of it."""
 
 
@@ -21,9 +21,9 @@ def figure(value: float, *bounds: float, digits: int = 2) -> str:
 
     The text is not zero, and lies on the true side of each bound, as ``number`` writes the bounds.
     """
-    if abs(value) < SAME:
+    if abs(value) < SAME_M:
         return "0"
-    read = [float(number(bound)) for bound in bounds if abs(value - bound) > SAME]
+    read = [float(number(bound)) for bound in bounds if abs(value - bound) > SAME_M]
 
     def holds(shown: float) -> bool:
         sides = ((shown < bound, shown > bound) == (value < bound, value > bound) for bound in read)
@@ -39,7 +39,7 @@ def percent(share: float, *bounds: float) -> str:
 
 def apart(*values: float, holds: Callable[..., bool], digits: int = 2) -> list[str]:
     """Return values with the fewest decimals, at least ``digits``, whose texts satisfy ``holds``."""
-    for decimals in range(digits, MOST + 1):
+    for decimals in range(digits, MAX_DECIMALS + 1):
         texts = [f"{value:.{decimals}f}" for value in values]
         if holds(*map(float, texts)):
             return texts

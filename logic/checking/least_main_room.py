@@ -7,7 +7,7 @@ from itertools import pairwise, product
 from vitruvius.logic.house.boxes import TOLERANCE, WALLS, is_on_wall
 from vitruvius.logic.house.star import Star, StarRoom
 
-ELONGATION = 2.0
+MAX_SIDE_RATIO = 2.0
 """Largest ratio of the main room's length to its width."""
 
 
@@ -55,7 +55,7 @@ def least_area(star: Star, room_gap: float = math.inf) -> float:
 def least_rectangle(width: float, height: float, area: float) -> float:
     """Return the least area of a rectangle with these least sides and area, at most twice as long as wide."""
     # A side is at least half the other. Beyond that, the rectangle can grow to any area in proportion.
-    return max(max(width, height / ELONGATION) * max(height, width / ELONGATION), area)
+    return max(max(width, height / MAX_SIDE_RATIO) * max(height, width / MAX_SIDE_RATIO), area)
 
 
 def _needed_wall(star: Star, wall: str, sides: Mapping[str, list[StarRoom]], gap: float) -> float:

@@ -19,7 +19,7 @@ from vitruvius.logic.house.parts import OUTSIDE, Room
 from vitruvius.logic.house.promises import PASSAGE, Promises
 from vitruvius.logic.spelling import numbered
 
-COURT = 1.0
+MIN_COURT_M = 1.0
 """Least width of a court between rooms, metres."""
 
 
@@ -87,7 +87,7 @@ def gaps(house: House) -> Any:
 def _filled(house: House, courts: int) -> float:
     """Return the area between rooms that belongs to no room, without the largest ``courts`` courts, m²."""
     free = gaps(house)
-    half = COURT / 2 - TOLERANCE
+    half = MIN_COURT_M / 2 - TOLERANCE
     wide = free.buffer(-half, join_style="mitre").buffer(half, join_style="mitre")
     parts = sorted((part.area for part in shapely.get_parts(wide)), reverse=True)
     return free.area - sum(parts[:courts])

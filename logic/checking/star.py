@@ -12,17 +12,17 @@ from itertools import combinations
 
 from vitruvius.logic.checking.fault import Fault
 from vitruvius.logic.checking.figures import apart, figure, number
-from vitruvius.logic.checking.least_main_room import ELONGATION, least_area, side_of
+from vitruvius.logic.checking.least_main_room import MAX_SIDE_RATIO, least_area, side_of
 from vitruvius.logic.checking.names import named
 from vitruvius.logic.checking.room import out_of, sizes_of_pieces
 from vitruvius.logic.house.boxes import TOLERANCE, distance, is_on_wall, overlap
 from vitruvius.logic.house.house import House
-from vitruvius.logic.house.kinds import Kind
 from vitruvius.logic.house.parts import Room
 from vitruvius.logic.house.promises import Promises
+from vitruvius.logic.house.topology_kinds import Kind
 from vitruvius.logic.spelling import numbered
 
-SPACIOUSNESS = 2.0
+MAX_AREA_RATIO = 2.0
 """Largest ratio of the main room's area to that of the least main room that fits its rooms."""
 
 
@@ -82,9 +82,9 @@ def star_shape(house: House, _: Promises) -> Iterator[Fault]:
     """Yield a fault for a main room that is too long."""
     floor = house.star.floor
     short, long = sorted((floor.width, floor.height))
-    if long > ELONGATION * short + TOLERANCE:
-        a, b = apart(long, short, holds=lambda a, b: a > ELONGATION * b)
-        yield Fault(f"main room: is {a} by {b} m (at most {ELONGATION:g} times as long as wide)")
+    if long > MAX_SIDE_RATIO * short + TOLERANCE:
+        a, b = apart(long, short, holds=lambda a, b: a > MAX_SIDE_RATIO * b)
+        yield Fault(f"main room: is {a} by {b} m (at most {MAX_SIDE_RATIO:g} times as long as wide)")
 
 
 def star_main_room(house: House, promises: Promises) -> Iterator[Fault]:
@@ -96,9 +96,9 @@ def star_main_room(house: House, promises: Promises) -> Iterator[Fault]:
         return
     gap = promises.room_gap
     least = least_area(star, math.inf if gap is None else max(gap, promises.door_clearance))
-    if star.floor.area > SPACIOUSNESS * least + TOLERANCE * (star.floor.width + star.floor.height):
-        area, needed = apart(star.floor.area, least, holds=lambda a, b: a > SPACIOUSNESS * b)
-        most = f"{SPACIOUSNESS:g} times the {needed} m² that its rooms need"
+    if star.floor.area > MAX_AREA_RATIO * least + TOLERANCE * (star.floor.width + star.floor.height):
+        area, needed = apart(star.floor.area, least, holds=lambda a, b: a > MAX_AREA_RATIO * b)
+        most = f"{MAX_AREA_RATIO:g} times the {needed} m² that its rooms need"
         yield Fault(f"main room: is of {area} m² (at most {most})")
 
 

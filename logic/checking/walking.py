@@ -24,9 +24,9 @@ from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import BODY, Door, Room
 from vitruvius.logic.house.promises import Promises
 
-REACHABLE = 0.6
+MIN_REACHABLE_FRACTION = 0.6
 """Least fraction of a room's free floor that the robot must reach from the room's doors."""
-SLIVER = 1e-4
+SLIVER_M2 = 1e-4
 """Area in square metres. A square whose centre has less area than this only just fits and does not count."""
 
 
@@ -39,7 +39,7 @@ def unentered(house: House, _: Promises) -> Iterator[Fault]:
 
 def impassable(house: House, promises: Promises) -> Iterator[Fault]:
     """Yield the faults of ``unentered``, then those of rooms with unreachable floor or narrow ways."""
-    passage = max(promises.passage, SLIVER)
+    passage = max(promises.passage, SLIVER_M2)
     bodies, squares = spaces(house, BODY, passage)
     first = first_space(house, bodies, BODY)
     shapely.prepare(first)
@@ -79,9 +79,9 @@ def _unreached(room: Room, doors: Sequence[Door], reached: BaseGeometry) -> Iter
     free = free_floor(room)
     share = reached.intersection(free).area / free.area
     its = "its door" if len(doors) == 1 else "its doors"
-    if share < REACHABLE:
-        reach = f"{percent(share, REACHABLE)} of its free floor from {its}"
-        yield f"the body reaches {reach} (at least {percent(REACHABLE)})"
+    if share < MIN_REACHABLE_FRACTION:
+        reach = f"{percent(share, MIN_REACHABLE_FRACTION)} of its free floor from {its}"
+        yield f"the body reaches {reach} (at least {percent(MIN_REACHABLE_FRACTION)})"
 
 
 def _narrow(
@@ -90,7 +90,7 @@ def _narrow(
     """Yield a text for places in a room that a square reaches from no door, or not from all doors."""
     free, by_square = free_floor(room), [doorway(door, passage, half) for door in doors]
     wide = shapely.union_all(by_square)
-    closed = [space for space in squares if space.intersection(free).area > SLIVER]
+    closed = [space for space in squares if space.intersection(free).area > SLIVER_M2]
     closed = [space for space in closed if not space.intersects(wide)]
     if closed:
         area = shapely.union_all([swept(space, passage) for space in closed]).intersection(free).area

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from vitruvius.logic.drawing.canvas import Drawing, Line, Point, Shape, Text, svg, text_width
 from vitruvius.logic.drawing.door_leaves import door_leaves
-from vitruvius.logic.drawing.draw import FOOT, MARGIN, TITLE, WIDTH
+from vitruvius.logic.drawing.draw import FOOT, MARGIN, PLAN_PX, TITLE
 from vitruvius.logic.drawing.frame import Frame, drawn_extent, grown
 from vitruvius.logic.drawing.labels import legend, room_names, title
 from vitruvius.logic.drawing.palettes import Fill, Style, style
@@ -23,13 +23,13 @@ FLOOR = "#f5f5f3"
 """Colour of all floors, so that only changes have a colour."""
 
 
-def diff_svg(before: House, after: House, width: int = WIDTH) -> str:
+def diff_svg(before: House, after: House, width: int = PLAN_PX) -> str:
     """Draw the differences between two houses as the text of an SVG file of this width in CSS pixels."""
     drawing = diff_drawing(before, after, changes(before, after), width)
     return svg([((0, 0), drawing)], drawing.width, drawing.height)
 
 
-def diff_drawing(before: House, after: House, found: list[Change], width: int = WIDTH) -> Drawing:
+def diff_drawing(before: House, after: House, found: list[Change], width: int = PLAN_PX) -> Drawing:
     """Draw the given changes between two houses."""
     plain = style([after])
     look = Style(plain.inks, plain.looks, {room.type: Fill(FLOOR) for room in after.rooms})

@@ -34,10 +34,10 @@ from vitruvius.logic.house.house import House
 
 TITLE, FOOT, MARGIN = 30, 22, 12
 """Space above a plan, below it and around it, CSS pixels."""
-WIDTH, CELL = 720, 300
+PLAN_PX, SHEET_PLAN_PX = 720, 300
 """Width of a plan, and of a plan on a sheet, CSS pixels."""
 
-MEASURED = 400
+MIN_MEASURED_PX = 400
 """Least width of a plan with dimension lines, CSS pixels."""
 
 Format = Literal["svg", "png", "pdf"]
@@ -47,28 +47,28 @@ Cells = list[tuple[Point, Drawing]]
 
 
 def plan_svg(
-    house: House, width: int = WIDTH, scale: float | None = None, palette: palettes.Name = "colour"
+    house: House, width: int = PLAN_PX, scale: float | None = None, palette: palettes.Name = "colour"
 ) -> str:
     """Draw a plan as the text of an SVG file of this width in CSS pixels. For ``scale`` see ``plan``.
 
     Each part has its name in ``data-part``, as ``explain_house`` takes it.
     """
-    drawing = plan(house, width, scale=scale, look=style([house], palette), measured=width >= MEASURED)
+    drawing = plan(house, width, scale=scale, look=style([house], palette), measured=width >= MIN_MEASURED_PX)
     return svg([((0, 0), drawing)], drawing.width, drawing.height)
 
 
 def plan_png(
-    house: House, width: int = WIDTH, scale: float | None = None, palette: palettes.Name = "colour"
+    house: House, width: int = PLAN_PX, scale: float | None = None, palette: palettes.Name = "colour"
 ) -> Image.Image:
     """Draw the same plan as an image, with two image pixels per CSS pixel."""
-    drawing = plan(house, width, scale=scale, look=style([house], palette), measured=width >= MEASURED)
+    drawing = plan(house, width, scale=scale, look=style([house], palette), measured=width >= MIN_MEASURED_PX)
     return png([((0, 0), drawing)], drawing.width, drawing.height)
 
 
 def contact_sheet(
     houses: Sequence[House],
     columns: int | None = None,
-    cell: int = CELL,
+    cell: int = SHEET_PLAN_PX,
     one_scale: bool = False,
     palette: palettes.Name = "colour",
 ) -> Image.Image:
@@ -83,7 +83,7 @@ def contact_sheet(
 def contact_sheet_svg(
     houses: Sequence[House],
     columns: int | None = None,
-    cell: int = CELL,
+    cell: int = SHEET_PLAN_PX,
     one_scale: bool = False,
     palette: palettes.Name = "colour",
 ) -> str:
@@ -109,12 +109,12 @@ def draw(
     """
     houses = require_drawable(houses, out_dir, format)
     look = style(houses, palette, grammar)
-    scale = min(_scale(house, WIDTH - DIMENSION) for house in houses) if one_scale else None
+    scale = min(_scale(house, PLAN_PX - DIMENSION) for house in houses) if one_scale else None
     pages: list[Page] = []
     for house in houses:
-        drawing = plan(house, WIDTH, scale=scale, look=look, measured=True)
+        drawing = plan(house, PLAN_PX, scale=scale, look=look, measured=True)
         pages.append(([((0, 0), drawing)], drawing.width, drawing.height))
-    sheet = None if format == "pdf" else _sheet(houses, None, CELL, one_scale, palette, look)
+    sheet = None if format == "pdf" else _sheet(houses, None, SHEET_PLAN_PX, one_scale, palette, look)
     return write_pages(pages, Path(out_dir), format, sheet)
 
 

@@ -6,14 +6,14 @@ from vitruvius.logic.drawing.canvas import Box, Point
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import Rect
 
-OUTER, INNER = 0.2, 0.1
+OUTER_WALL_M, INNER_WALL_M = 0.2, 0.1
 """Drawn thickness of walls, metres, in houses whose walls have none.
 
 An inner wall is centred on its line. An outer wall reaches half an inner wall into the rooms, so that its
 face continues the face of an inner wall.
 """
 
-BEYOND = OUTER - INNER / 2
+BEYOND_OUTLINE_M = OUTER_WALL_M - INNER_WALL_M / 2
 """Width of an outer wall outside the rooms, metres."""
 
 
@@ -45,7 +45,7 @@ def thickness(house: House) -> tuple[float, float]:
     """Return half an inner wall's thickness, and how far an outer wall reaches beyond that, metres."""
     if thick := house.wall_thickness:
         return house.half_wall, thick.outer - house.half_wall
-    return INNER / 2, BEYOND
+    return INNER_WALL_M / 2, BEYOND_OUTLINE_M
 
 
 def extent(house: House) -> Box:

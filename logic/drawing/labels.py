@@ -20,7 +20,7 @@ from vitruvius.logic.house.parts import ORIGINAL, Room
 from vitruvius.logic.looks.looks import spaced
 from vitruvius.logic.spelling import numbered
 
-LEAST = 6.5
+MIN_FONT_PX = 6.5
 """Smallest font size of a name, CSS pixels. A room that is too small for its name has an abbreviation."""
 SWATCH = 14.0
 """Width of a colour in the key, and height of a row, CSS pixels."""
@@ -39,7 +39,7 @@ def room_names(
     frame: Frame,
     style: Style,
     short: dict[str, str],
-    least: float = LEAST,
+    least: float = MIN_FONT_PX,
     leaves: Sequence[Leaf] = (),
 ) -> list[tuple[Text, ...]]:
     """Return the label of each room, then that of a star's main room.
@@ -75,7 +75,7 @@ def room_names(
     return names
 
 
-def background(house: House, frame: Frame, least: float = LEAST) -> tuple[Shape, ...]:
+def background(house: House, frame: Frame, least: float = MIN_FONT_PX) -> tuple[Shape, ...]:
     """Return the shapes of a house and its rooms' names, without door leaves, as a background for robots."""
     look = style([house])
     names = room_names(house, frame, look, {}, least)

@@ -25,7 +25,7 @@ Name = Literal["colour", "distinct", "grey"]
 """
 
 
-APART = 10.0
+MIN_COLOUR_DIFFERENCE = 10.0
 """Least difference between a new type's colour and all others, if possible: see ``difference``."""
 
 
@@ -126,7 +126,7 @@ def _coloured(palette: Palette, types: Iterable[str], looks: Looks) -> dict[str,
             taken = chosen.values()
             chosen[kind] = max(
                 order,
-                key=lambda one: min([APART, *(difference(one, other) for other in taken)]),
+                key=lambda one: min([MIN_COLOUR_DIFFERENCE, *(difference(one, other) for other in taken)]),
             )
     return {kind: Fill(colour) for kind, colour in chosen.items()}
 

@@ -17,7 +17,7 @@ from vitruvius.logic.drawing.canvas import (
     Strokes,
 )
 from vitruvius.logic.drawing.door_leaves import Leaf
-from vitruvius.logic.drawing.frame import INNER, Frame, thickness
+from vitruvius.logic.drawing.frame import INNER_WALL_M, Frame, thickness
 from vitruvius.logic.drawing.furniture import furniture_parts, stroke, thin
 from vitruvius.logic.drawing.palettes import Fill, Inks, Style
 from vitruvius.logic.drawing.wall_union import wall_rings
@@ -108,7 +108,7 @@ def _free_walls(house: House, frame: Frame, inks: Inks) -> Iterator[Line]:
 
 def wall_boxes(house: House) -> Iterator[Box]:
     """Yield boxes for walls without a thickness, as thick as inner walls, without doorways, metres."""
-    half, walls = INNER / 2, house.walls
+    half, walls = INNER_WALL_M / 2, house.walls
     for axis, lines in enumerate(walls):
         across = np.array(walls[1 - axis])
         for at, low, high in lines:

@@ -18,22 +18,22 @@ from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import BODY
 
-RAYS, FIRST_RAY, SPACING = 40, 58.5, 3.0
+RAYS, FIRST_RAY, RAY_SPACING_DEG = 40, 58.5, 3.0
 """The simulator's rays: their number, the angle from the heading to ray 0 and the angle between rays.
 
 Angles are in degrees, counter-clockwise.
 """
 
-EYE = 0.3
+EYE_HEIGHT_M = 0.3
 """Height of the range finders above the floor, metres: lower than any piece of ``looks.json``."""
 
-TOUCHED = 0.01
+TOUCHED_THICKNESS_M = 0.01
 """Thickness of walls for the robot, metres, enough that it does not pass through in one step of MuJoCo."""
 
-THIN = 2e-6
+SEEN_THICKNESS_M = 2e-6
 """Thickness of walls for rays, metres."""
 
-HEIGHT = 0.4
+ROBOT_HEIGHT_M = 0.4
 """Height of the robot, metres."""
 
 
@@ -57,8 +57,8 @@ def to_mjcf(house: House, name: str = "house") -> Element:
     SubElement(root, "option", timestep="0.005", integrator="implicitfast")
     world = SubElement(root, "worldbody")
     SubElement(world, "light", pos="0 0 20", dir="0 0 -1", directional="true")
-    touched = {each.name: each for each in solids(house, TOUCHED)}
-    for each in solids(house, THIN):
+    touched = {each.name: each for each in solids(house, TOUCHED_THICKNESS_M)}
+    for each in solids(house, SEEN_THICKNESS_M):
         is_whole = touched[each.name] == each and each.kind != "floor"
         seen = {} if is_whole else {"contype": "0", "conaffinity": "0"}
         _box(world, each, _rgba(each), name=each.name, **seen)
@@ -76,16 +76,18 @@ def _robot(root: Element, world: Element, x: float, y: float) -> None:
         ("heading", "hinge", "0 0 1"),
     ):
         SubElement(robot, "joint", name=joint, type=kind, axis=axis)
-    size = _numbers(BODY / 2, BODY / 2, HEIGHT / 2)
-    pos = _numbers(0, 0, HEIGHT / 2 + TOUCHED)
+    size = _numbers(BODY / 2, BODY / 2, ROBOT_HEIGHT_M / 2)
+    pos = _numbers(0, 0, ROBOT_HEIGHT_M / 2 + TOUCHED_THICKNESS_M)
     SubElement(robot, "geom", name="robot", type="box", size=size, pos=pos, mass="5", rgba="0.85 0.45 0.3 1")
     actuators, sensors = SubElement(root, "actuator"), SubElement(root, "sensor")
     for joint, gain in (("x", "100"), ("y", "100"), ("heading", "10")):
         SubElement(actuators, "velocity", name=joint, joint=joint, kv=gain)
     for ray in range(RAYS):
-        angle = radians(FIRST_RAY - SPACING * ray)
+        angle = radians(FIRST_RAY - RAY_SPACING_DEG * ray)
         axis = _numbers(cos(angle), sin(angle), 0)
-        SubElement(robot, "site", name=f"ray_{ray}", pos=_numbers(0, 0, EYE), zaxis=axis, size="0.01")
+        SubElement(
+            robot, "site", name=f"ray_{ray}", pos=_numbers(0, 0, EYE_HEIGHT_M), zaxis=axis, size="0.01"
+        )
         SubElement(sensors, "rangefinder", name=f"ray_{ray}", site=f"ray_{ray}")
 
 
@@ -115,7 +117,7 @@ def _free_place(house: House) -> tuple[float, float]:
     connected floor.
     """
     taken = [shapely.box(*piece.box) for room in house.rooms for piece in room.pieces]
-    taken += [outline(wall).buffer(THIN) for wall in house.free_walls]
+    taken += [outline(wall).buffer(SEEN_THICKNESS_M) for wall in house.free_walls]
     solid = shapely.union_all(taken)
     for room in (house.start, *house.rooms):
         free = floor(house, room) - solid

@@ -19,10 +19,10 @@ from vitruvius.logic.house.occupancy import UNKNOWN as UNKNOWN_CELL
 from vitruvius.logic.house.occupancy import OccupancyGrid
 from vitruvius.logic.house.wall_parts import wall_parts
 
-RESOLUTION = 0.05
+CELL_M = 0.05
 """Side of a cell, metres, in the map of a house that is not a map itself."""
 
-MARGIN = 10
+MARGIN_CELLS = 10
 """Number of cells around the house."""
 
 OCCUPIED, FREE, UNKNOWN = 0, 254, 205
@@ -44,7 +44,7 @@ def write(house: House, path: Path) -> None:
     if grid := house.occupancy:
         cells, corner, cell = _pixels(grid), (grid.x, -grid.box[3]), grid.cell
     else:
-        (cells, corner), cell = occupancy(house), RESOLUTION
+        (cells, corner), cell = occupancy(house), CELL_M
     shapes = [outline(wall) for wall in house.free_walls]
     if house.occupancy:
         shapes += [shapely.box(*piece.box) for room in house.rooms for piece in room.pieces]
@@ -77,9 +77,9 @@ def occupancy(house: House) -> tuple[np.ndarray, tuple[float, float]]:
     unknown.
     """
     west, north, east, south = drawn_extent(house) if house.wall_thickness else extent(house)
-    left, up = west - MARGIN * RESOLUTION, north - MARGIN * RESOLUTION
+    left, up = west - MARGIN_CELLS * CELL_M, north - MARGIN_CELLS * CELL_M
     columns, rows = (
-        int(np.ceil(length / RESOLUTION)) + 2 * MARGIN for length in (east - west, south - north)
+        int(np.ceil(length / CELL_M)) + 2 * MARGIN_CELLS for length in (east - west, south - north)
     )
     cells = np.full((rows, columns), UNKNOWN, np.uint8)
 
@@ -99,7 +99,7 @@ def occupancy(house: House) -> tuple[np.ndarray, tuple[float, float]]:
         fill((x, low, x, high), OCCUPIED)
     for y, low, high in horizontals:
         fill((low, y, high, y), OCCUPIED)
-    return cells, (left, -(up + rows * RESOLUTION))
+    return cells, (left, -(up + rows * CELL_M))
 
 
 def _fill(
@@ -119,5 +119,5 @@ def _fill(
 
 def _cells(low: float, high: float) -> tuple[int, int]:
     """Return the first cell that a span touches, and the one after the last."""
-    first = int(np.floor((low + TOLERANCE) / RESOLUTION))
-    return first, max(first + 1, int(np.ceil((high - TOLERANCE) / RESOLUTION)))
+    first = int(np.floor((low + TOLERANCE) / CELL_M))
+    return first, max(first + 1, int(np.ceil((high - TOLERANCE) / CELL_M)))

@@ -7,7 +7,7 @@ from typing import SupportsIndex, overload
 from vitruvius.logic.house.house import House
 from vitruvius.logic.spelling import numbered
 
-SHOWN, CELL = 24, 260
+MAX_SHOWN, PLAN_PX = 24, 260
 """Number of plans of a list that a notebook shows, and width of each, CSS pixels."""
 
 
@@ -26,10 +26,12 @@ class Houses(list[House]):
     def _repr_html_(self) -> str:
         """Return the plans of the first houses for notebooks, each with its index."""
         figure = '<figure style="margin:0"><figcaption style="font-size:small">{}</figcaption>{}</figure>'
-        plans = [figure.format(index, house._repr_svg_(CELL)) for index, house in enumerate(self[:SHOWN])]
+        plans = [
+            figure.format(index, house._repr_svg_(PLAN_PX)) for index, house in enumerate(self[:MAX_SHOWN])
+        ]
         words = numbered(len(self), "house")
-        if len(self) > SHOWN:
-            words += f", the first {SHOWN} shown"
+        if len(self) > MAX_SHOWN:
+            words += f", the first {MAX_SHOWN} shown"
         # Plans are dark on white, even in dark notebooks.
         box = "display:flex;flex-wrap:wrap;gap:8px;align-items:flex-start;background:#fff;color:#333"
         return f'<p style="margin:0.3em 0">{words}</p><div style="{box}">{"".join(plans)}</div>'

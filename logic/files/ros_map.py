@@ -39,7 +39,7 @@ SHORT = Repr()
 SHORT.maxlevel, SHORT.maxstring = 1, 60
 """Abbreviation of a file's values in an error message."""
 
-BAND = 256
+BAND_ROWS = 256
 """Number of rows that are read at once."""
 
 MOST_TEXT, MOST_PICTURE = 1 << 16, 1 << 28
@@ -172,13 +172,13 @@ def _cells(said: Description, path: Path) -> np.ndarray:
     """Return the cells (H, W) int8 of a map's picture, row 0 in the north."""
     pixels = _pixels(said.image, path)
     cells = np.full(pixels.shape[:2], UNKNOWN, np.int8)
-    for row in range(0, len(cells), BAND):
-        light, clear = _lightness(pixels[row : row + BAND], said.mode)
+    for row in range(0, len(cells), BAND_ROWS):
+        light, clear = _lightness(pixels[row : row + BAND_ROWS], said.mode)
         occupancy = light if said.negate else 1 - light
         if said.mode == "raw":
             numbers = np.round(light * 255)
             occupancy, clear = numbers / OCCUPIED, numbers > OCCUPIED  # Beyond 100 all cells are unknown.
-        band = cells[row : row + BAND]
+        band = cells[row : row + BAND_ROWS]
         band[occupancy < said.free] = FREE
         band[occupancy > said.occupied] = OCCUPIED
         band[clear] = UNKNOWN

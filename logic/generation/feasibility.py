@@ -18,7 +18,7 @@ from vitruvius.logic.generation.question import Question
 from vitruvius.logic.grammar import Grammar
 from vitruvius.logic.layout.conditional import Source
 from vitruvius.logic.layout.program import HOUSE, Conflict
-from vitruvius.logic.layout.programs import GIVEN
+from vitruvius.logic.layout.programs import GIVEN_ROOM_CONSTANTS
 from vitruvius.logic.layout.relaxed import Relaxed, Statement
 from vitruvius.logic.layout.terms import (
     Lengths,
@@ -151,7 +151,7 @@ class Feasibility:
         )
         relaxed = Relaxed(
             self.source,
-            {"this_room": type_, **(GIVEN if room else {})},
+            {"this_room": type_, **(GIVEN_ROOM_CONSTANTS if room else {})},
             [
                 ("room", []),
                 ("plan" if room else "capacity", []),

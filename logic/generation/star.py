@@ -18,7 +18,7 @@ from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import Rect
 from vitruvius.logic.house.star import Star
 from vitruvius.logic.language.loaded import LoadedGrammar
-from vitruvius.logic.layout.account import EASE, FURNITURE, LAYOUT
+from vitruvius.logic.layout.account import FURNITURE, LAYOUT, REMEDIES
 from vitruvius.logic.layout.program import Nogood, Program, TooMany
 from vitruvius.logic.layout.terms import to_furnish
 from vitruvius.logic.placement.layout import Layout
@@ -138,7 +138,7 @@ class StarDraft:
             try:
                 furniture = program.sample(work.rng, assumed, nogoods=self.nogoods[program])
             except TooMany:
-                ease = EASE[FURNITURE]
+                ease = REMEDIES[FURNITURE]
                 raise LimitReached(f"no furniture of {article(type_)} was found in time: {ease}") from None
             if furniture is None:
                 self.unfurnishable.add(type_)

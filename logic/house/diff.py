@@ -12,7 +12,7 @@ from vitruvius.logic.house.house import House
 from vitruvius.logic.house.part_names import doors_by_name, part_names, windows_by_name
 from vitruvius.logic.house.parts import Room
 
-TOLERANCE = 1e-3
+MIN_DIFFERENCE_M = 1e-3
 """Smallest difference that counts, metres."""
 
 
@@ -143,7 +143,7 @@ def _change(was: Item | None, now: Item | None) -> Change | None:
 
 
 def _differ(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
-    return any(abs(a - b) > TOLERANCE for a, b in zip(one, other, strict=True))
+    return any(abs(a - b) > MIN_DIFFERENCE_M for a, b in zip(one, other, strict=True))
 
 
 def _size(box: Box) -> tuple[float, float]:
@@ -159,5 +159,5 @@ def _way(was: Box, now: Box) -> str:
     east, south = ((now[k] + now[k + 2] - was[k] - was[k + 2]) / 2 for k in (0, 1))
     ways = [(east, "east", "west"), (south, "south", "north")]
     return " and ".join(
-        f"{abs(by):.2f} m {one if by > 0 else other}" for by, one, other in ways if abs(by) > TOLERANCE
+        f"{abs(by):.2f} m {one if by > 0 else other}" for by, one, other in ways if abs(by) > MIN_DIFFERENCE_M
     )

@@ -9,7 +9,6 @@ import msgspec
 import numpy as np
 
 from vitruvius.logic.house.boxes import Box
-from vitruvius.logic.house.kinds import STARS, Kind, kind_of
 from vitruvius.logic.house.occupancy import OccupancyGrid
 from vitruvius.logic.house.parts import (
     FORMAT,
@@ -28,6 +27,7 @@ from vitruvius.logic.house.parts import (
 from vitruvius.logic.house.promises import Thickness
 from vitruvius.logic.house.records import Record, read
 from vitruvius.logic.house.star import Star, star_record
+from vitruvius.logic.house.topology_kinds import STARS, Kind, kind_of
 from vitruvius.logic.house.walls import Line, doorway, walls_of_rooms, walls_of_star
 from vitruvius.logic.plain import plain
 from vitruvius.logic.spelling import unknown

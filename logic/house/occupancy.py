@@ -15,7 +15,7 @@ import numpy as np
 from msgspec import Meta
 
 from vitruvius.logic.house.boxes import Box
-from vitruvius.logic.house.parts import FARTHEST, Place
+from vitruvius.logic.house.parts import MAX_COORDINATE_M, Place
 from vitruvius.logic.house.walls import Line
 
 FREE, OCCUPIED, UNKNOWN = 0, 100, -1
@@ -112,12 +112,12 @@ class OccupancyGrid(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     def fault(self) -> str:
         """Return the reason why the grid cannot be read as a map, or an empty text."""
-        if not 0 < self.cell <= FARTHEST:
-            return f"its cells are {self.cell} m wide: more than 0 m, and at most {FARTHEST:g} m"
+        if not 0 < self.cell <= MAX_COORDINATE_M:
+            return f"its cells are {self.cell} m wide: more than 0 m, and at most {MAX_COORDINATE_M:g} m"
         if wrong := _fault_of_rows(self.rows):
             return wrong
-        if not all(abs(value) <= FARTHEST for value in self.box):
-            return f"it lies beyond {FARTHEST:g} m or is not a number"
+        if not all(abs(value) <= MAX_COORDINATE_M for value in self.box):
+            return f"it lies beyond {MAX_COORDINATE_M:g} m or is not a number"
         if (runs := _most_runs(self.values)) > MAX_RUNS:
             return _too_many_runs(runs)
         return "" if any("." in row for row in self.rows) else "it has no free cell"

@@ -42,15 +42,15 @@ PIXEL = 0.3048 / 8.5
 BODY = 0.287
 """Side of the robot, a square that moves through houses, and least cell of a grid, metres."""
 
-FARTHEST, MOST_ROOMS, MOST_PIECES, MOST_OPENINGS, MOST_WALLS = 1000.0, 1024, 256, 4096, 65536
+MAX_COORDINATE_M, MOST_ROOMS, MOST_PIECES, MOST_OPENINGS, MOST_WALLS = 1000.0, 1024, 256, 4096, 65536
 """Limits of a file: metres from the origin, and numbers of rooms, pieces of a room, openings, free walls."""
 
 MAX_HOUSE_PIECES = 8192
 """Largest number of pieces in all rooms of a house together."""
 
 # Limits in the published schema; the reader states the others in words (``records.py``).
-Place = Annotated[float, Meta(extra_json_schema={"minimum": -FARTHEST, "maximum": FARTHEST})]
-Length = Annotated[float, Meta(extra_json_schema={"minimum": 0, "maximum": 2 * FARTHEST})]
+Place = Annotated[float, Meta(extra_json_schema={"minimum": -MAX_COORDINATE_M, "maximum": MAX_COORDINATE_M})]
+Length = Annotated[float, Meta(extra_json_schema={"minimum": 0, "maximum": 2 * MAX_COORDINATE_M})]
 
 LONGEST_NAME = 64
 """Largest number of characters of a room's name."""

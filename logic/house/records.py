@@ -10,14 +10,13 @@ import msgspec
 from msgspec import Meta
 
 from vitruvius.logic.house.boxes import TOLERANCE
-from vitruvius.logic.house.kinds import STARS, Kind, kind_of
 from vitruvius.logic.house.occupancy import OccupancyGrid
 from vitruvius.logic.house.parts import (
     BODY,
-    FARTHEST,
     FORMAT,
     MAIN,
     MAP,
+    MAX_COORDINATE_M,
     MAX_HOUSE_PIECES,
     MOST_OPENINGS,
     MOST_PIECES,
@@ -36,6 +35,7 @@ from vitruvius.logic.house.parts import (
 )
 from vitruvius.logic.house.promises import Thickness
 from vitruvius.logic.house.star import Star, read_star
+from vitruvius.logic.house.topology_kinds import STARS, Kind, kind_of
 from vitruvius.logic.spelling import unknown
 
 
@@ -140,12 +140,12 @@ def _require_sizes(house: Record, in_star: bool) -> None:
     """
     _require_map(house)
     cell = house.provenance.request.get("cell", 0.0) if house.provenance else 0.0
-    if type(cell) not in (int, float) or (cell and not BODY <= cell <= FARTHEST):
+    if type(cell) not in (int, float) or (cell and not BODY <= cell <= MAX_COORDINATE_M):
         raise msgspec.ValidationError(f"provenance.request.cell must be a length in metres, not {cell!r}")
 
     def require(rect: Rect, name: str) -> None:
-        if not all(abs(value) <= FARTHEST for value in rect.box):
-            raise msgspec.ValidationError(f"{name} lies beyond {FARTHEST:g} m or is not a number")
+        if not all(abs(value) <= MAX_COORDINATE_M for value in rect.box):
+            raise msgspec.ValidationError(f"{name} lies beyond {MAX_COORDINATE_M:g} m or is not a number")
         if rect.width < 0 or rect.height < 0 or (rect.area == 0 and not isinstance(rect, Door | Window)):
             raise msgspec.ValidationError(f"{name} is {rect.width} by {rect.height}: sizes must be positive")
 
@@ -153,13 +153,14 @@ def _require_sizes(house: Record, in_star: bool) -> None:
         if kind_of(house.topology) is not Kind.SHARED_WALLS:
             kind = MAP if house.topology == MAP else STAR
             raise msgspec.ValidationError(f"wall_thickness: a {kind} does not support it: leave it out")
-        if not 0 < thick.inner <= thick.outer <= FARTHEST:
+        if not 0 < thick.inner <= thick.outer <= MAX_COORDINATE_M:
             said = f"{thick.inner} and {thick.outer}"
             why = "must be more than 0 m, and inner walls must not be thicker than outer ones"
             raise msgspec.ValidationError(f"wall_thickness: {why}, not {said}")
     for index, wall in enumerate(house.walls):
-        if not all(abs(value) <= FARTHEST for value in (wall.x1, wall.y1, wall.x2, wall.y2)):
-            raise msgspec.ValidationError(f"walls[{index}] lies beyond {FARTHEST:g} m or is not a number")
+        if not all(abs(value) <= MAX_COORDINATE_M for value in (wall.x1, wall.y1, wall.x2, wall.y2)):
+            text = f"walls[{index}] lies beyond {MAX_COORDINATE_M:g} m or is not a number"
+            raise msgspec.ValidationError(text)
         if wall.thickness < 0 or (wall.x1, wall.y1) == (wall.x2, wall.y2):
             raise msgspec.ValidationError(f"walls[{index}] must have a length, and a thickness of at least 0")
     furniture = 0

@@ -16,21 +16,21 @@ from vitruvius.logic.language.unread import unread
 from vitruvius.logic.layout.account import GROUNDING
 from vitruvius.logic.layout.conditional import Source
 from vitruvius.logic.layout.program import HOUSE, Part
-from vitruvius.logic.layout.programs import GIVEN
+from vitruvius.logic.layout.programs import GIVEN_ROOM_CONSTANTS
 from vitruvius.logic.layout.relaxed import Relaxed
-from vitruvius.logic.looks.looks import DEFAULT, NAME, read_looks, unused
+from vitruvius.logic.looks.looks import DEFAULT, FILE_NAME, read_looks, unused
 from vitruvius.logic.placement.lengths import typical_lengths
 
-SIZES = (6, 8, 4, 3, 2, 1)
+ROOMS_TESTED = (6, 8, 4, 3, 2, 1)
 """Numbers of rooms of the houses in which lint tests if a rule binds, in this order."""
 
-BUILDINGS = (16,)
+ROOMS_OF_UNITS_TESTED = (16,)
 """Numbers of rooms of houses of units for the same tests."""
 
-LARGER = (5, 7, 10, 12, 14, 16, 20, 27, 40, 53, 64, 90, 128)
+MORE_ROOMS_TESTED = (5, 7, 10, 12, 14, 16, 20, 27, 40, 53, 64, 90, 128)
 """Further numbers for rules that bind in none of these houses, if the topology permits them."""
 
-SOLVED = (6, 8, 3, 1, 10, 14)
+ROOMS_SEARCHED = (6, 8, 3, 1, 10, 14)
 """Numbers of rooms of the houses that ``lint`` searches for, in this order."""
 
 MOST_INSTANCES = 1_500_000
@@ -48,7 +48,7 @@ def findings(grammar: Grammar) -> list[Finding]:
 
 def errors(grammar: Grammar, loaded: LoadedGrammar) -> list[Finding]:
     """Return the errors for which ``generate`` refuses a grammar, and ``draw`` its looks."""
-    looks = grammar.directory / NAME
+    looks = grammar.directory / FILE_NAME
     wrong = read_looks(looks, DEFAULT)[1] if looks.exists() else []
     return _findings("error", [*(loaded.errors or _beside_typical(grammar, loaded)), *wrong], grammar)
 
@@ -65,8 +65,8 @@ def _beside_typical(grammar: Grammar, loaded: LoadedGrammar) -> list[GrammarErro
 
 def all_warnings(grammar: Grammar, loaded: LoadedGrammar) -> list[Finding]:
     """Return warnings for useless parts of the rules and the looks of a grammar without errors."""
-    sizes = [number for number in SOLVED if number <= loaded.most_rooms]
-    others = [*absent(loaded, sizes), *_unseen(grammar.directory / NAME, loaded)]
+    sizes = [number for number in ROOMS_SEARCHED if number <= loaded.most_rooms]
+    others = [*absent(loaded, sizes), *_unseen(grammar.directory / FILE_NAME, loaded)]
     return warnings(grammar, loaded) + _findings("warning", others, grammar)
 
 
@@ -101,7 +101,9 @@ def _idle(grammar: Grammar, loaded: LoadedGrammar, rooms: int | None) -> list[Gr
         ground = {"base", *(name for name, _ in parts)}
         if most and all(program_of[each.file, each.line, each.column] not in ground for each in unbound):
             continue  # None of the remaining rules is in it.
-        named = ", ".join(f"{name} = {value}" for name, value in constants.items() if name not in GIVEN)
+        named = ", ".join(
+            f"{name} = {value}" for name, value in constants.items() if name not in GIVEN_ROOM_CONSTANTS
+        )
         loaded.placer.account.at(GROUNDING, f"which rules bind where {named} (clingo)")
         program = Relaxed(source, constants, parts, most=left)
         left -= program.instances
@@ -143,12 +145,13 @@ def _programs(loaded: LoadedGrammar, rooms: int | None, unbound: Iterable[Reason
         return [({"rooms": number}, parts) for number in numbers]
 
     usual = [
-        houses([rooms or 0, *(BUILDINGS if stage == UNITS else SIZES)], stage, most) for stage, most in stages
+        houses([rooms or 0, *(ROOMS_OF_UNITS_TESTED if stage == UNITS else ROOMS_TESTED)], stage, most)
+        for stage, most in stages
     ]
     yield from filter(None, chain.from_iterable(zip_longest(*usual, _furniture(loaded))))
     for stage, most in stages:
         named = [number + by for number in _numbers(unbound, loaded) for by in (0, 1, -1)]
-        yield from houses([*named, *LARGER, most], stage, most)
+        yield from houses([*named, *MORE_ROOMS_TESTED, most], stage, most)
 
 
 def _furniture(loaded: LoadedGrammar) -> Iterator[Ground]:
@@ -157,7 +160,7 @@ def _furniture(loaded: LoadedGrammar) -> Iterator[Ground]:
     for type_ in types:
         yield {"this_room": type_}, [("room", [])]
     for type_ in types if loaded.grammar.shares_walls else ():
-        yield {"this_room": type_, **GIVEN}, [("room", []), ("plan", []), ("doorways", [])]
+        yield {"this_room": type_, **GIVEN_ROOM_CONSTANTS}, [("room", []), ("plan", []), ("doorways", [])]
 
 
 def _numbers(rules: Iterable[Reason], loaded: LoadedGrammar) -> list[int]:

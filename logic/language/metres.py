@@ -6,9 +6,9 @@ from typing import Any
 from clingo import Function, Symbol
 
 from vitruvius.logic.errors import GrammarError
-from vitruvius.logic.house.parts import FARTHEST
+from vitruvius.logic.house.parts import MAX_COORDINATE_M
 
-SHORTEST = 0.01
+MIN_LENGTH_M = 0.01
 """Length in metres below which another unit is likely, unless the length is 0."""
 
 LONGEST_LENGTH, LONGEST_SIDE, LONGEST_PIECE = 5.0, 120.0, 20.0
@@ -22,9 +22,9 @@ def impossible(lengths: Mapping[str, Any], origins: Origins) -> Iterator[Grammar
     """Yield an error at the origin of each clause with a length that no house can have."""
     found = {}
     for clause, metres, _ in _sizes(lengths):
-        if max(metres) > FARTHEST:
-            text = f"{clause.arguments[-1]}: {max(metres):g} m, more than the {FARTHEST:g} m of a house"
-            text += f". Lengths are in metres: {max(metres):g} mm are {max(metres) / 1000:g}"
+        if max(metres) > MAX_COORDINATE_M:
+            text = f"{clause.arguments[-1]}: {max(metres):g} m, more than the {MAX_COORDINATE_M:g} m "
+            text += f"of a house. Lengths are in metres: {max(metres):g} mm are {max(metres) / 1000:g}"
             found[origins([clause])[clause]] = text
     for (file, line), text in found.items():
         yield GrammarError(text, file, line, 1)
@@ -34,7 +34,7 @@ def unlikely(lengths: Mapping[str, Any], origins: Origins) -> Iterator[GrammarEr
     """Yield a warning at the origin of each clause with an unlikely length, from ``stated_lengths``."""
     found = {}
     for clause, metres, longest in _sizes(lengths):
-        wrong = next((m for m in metres if m > longest or 0 < m < SHORTEST), None)
+        wrong = next((m for m in metres if m > longest or 0 < m < MIN_LENGTH_M), None)
         if wrong is not None:
             place, name = origins([clause])[clause], clause.arguments[-1]
             meant = f"{wrong:g} cm are {wrong / 100:g}" if wrong > longest else "1 cm is 0.01"

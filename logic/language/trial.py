@@ -20,7 +20,7 @@ from vitruvius.logic.language.asp.audit import audit, unreadable
 from vitruvius.logic.language.asp.statements import Statement, read
 from vitruvius.logic.language.asp.stratification import unstratified
 from vitruvius.logic.language.asp.vocabulary import words
-from vitruvius.logic.language.linter import SIZES
+from vitruvius.logic.language.linter import ROOMS_TESTED
 from vitruvius.logic.language.loaded import furniture_of
 from vitruvius.logic.layout.conditional import HERE
 from vitruvius.logic.layout.differences import STATING
@@ -41,7 +41,7 @@ def steps(grammar: Grammar, sizes: Sequence[int]) -> Iterator[GrammarError]:
     try:
         if not sizes:
             yield from _reading(grammar)
-        for rooms in sizes or SIZES:
+        for rooms in sizes or ROOMS_TESTED:
             yield from _grounding(grammar, {"rooms": rooms}, [("house", [])])
         placer = Placer(grammar)
         pieces = {} if placer.problems else furniture_of(Program(grammar.asp, {"rooms": 1}, HOUSE))

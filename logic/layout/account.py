@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 GROUNDING, LAYOUT, LENGTHS, FURNITURE, PROOF = "grounding", "layout", "lengths", "furniture", "proof"
 """Stages of the work."""
 
-EASE = {
+REMEDIES = {
     GROUNDING: "ask for fewer rooms, or let no rule join many values",
     LAYOUT: "ask for fewer rooms, or let the rules require less of types, doors and neighbours",
     LENGTHS: "ask for fewer rooms, or give these lengths wider bounds",
@@ -25,7 +25,7 @@ EASE = {
 BY_AREA = {LAYOUT, LENGTHS, PROOF}
 """Stages that a stated area of the house makes harder."""
 
-MOST = 3
+MAX_LISTED = 3
 """Largest number of rules and lengths that a report lists with their numbers of refutations."""
 
 
@@ -90,11 +90,11 @@ class Account:
             said.append(f"{self._rooms:,} layouts of furniture were refuted.")
         for what, counted in (("fitted in", self._unfurnished), ("was found in time for", self._undecided)):
             types = ", ".join(
-                f"{article(str(type_))} {number:,} times" for type_, number in counted.most_common(MOST)
+                f"{article(str(type_))} {number:,} times" for type_, number in counted.most_common(MAX_LISTED)
             )
             if types:
                 said.append(f"No furniture {what} {types}.")
-        lines = [f"  {number:,} times: {reason}" for reason, number in self._by.most_common(MOST)]
+        lines = [f"  {number:,} times: {reason}" for reason, number in self._by.most_common(MAX_LISTED)]
         if lines:
             said.append("Most were refuted by")
         return "\n".join([" ".join(said), *lines]).strip()
@@ -106,7 +106,7 @@ class Account:
         said = f"The last step was {self._at}."
         if self.stage == LAYOUT and not self._layouts:
             said += " None was found, and none was proved impossible."
-        ease = EASE[LENGTHS if self._by else self.stage]
+        ease = REMEDIES[LENGTHS if self._by else self.stage]
         if self.has_area and self.stage in BY_AREA:
             ease += ", or give house_area/2 wider bounds"
         refutations = self.refutations and f" {self.refutations}"

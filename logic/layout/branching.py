@@ -6,7 +6,7 @@ from collections.abc import Iterable
 import clingo
 import numpy as np
 
-AGAIN = 4
+FREE_SEARCHES = 4
 """Number of searches that are left to the solver after one in the given order."""
 
 
@@ -22,8 +22,8 @@ class Brancher(clingo.Propagator):
         """Set the pick literals of a program.
 
         With ``patience`` the solver chooses its own branches after this number of decisions. The result then
-        depends on everything that the solver has solved before. At each ``AGAIN``-th search it branches in
-        the given order again, because refuted layouts have many neighbours that are refuted, too.
+        depends on everything that the solver has solved before. At each ``FREE_SEARCHES``-th search it
+        branches in the given order again, because refuted layouts have many neighbours that are refuted, too.
         """
         self._picks: list[int] = picks.tolist()
         self._patience = self._left = math.inf if patience is None else patience
@@ -43,7 +43,9 @@ class Brancher(clingo.Propagator):
         set before a search begins.
         """
         self._order, self._nogoods = order, nogoods
-        self._left = self._patience if self._searches % AGAIN == 0 or self._patience == math.inf else 0
+        self._left = (
+            self._patience if self._searches % FREE_SEARCHES == 0 or self._patience == math.inf else 0
+        )
         self._searches += 1
         self._then = [1, *(place + 1 for place in then)]
         self.waiting = True

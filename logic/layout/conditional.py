@@ -31,7 +31,7 @@ Signature = tuple[str, int]
 ABSENT = " is not stated"
 """Words after a fact that a grammar lacks, placed at the first fact with the same first argument, or kind."""
 
-FAR = 1_000_000
+LONGEST_MM = 1_000_000
 """Millimetres, more than any length; small enough for sums in clingo."""
 
 
@@ -159,7 +159,7 @@ def atom_of(symbol: Symbol) -> ast.AST:
 
 def unbound(length: Symbol) -> Symbol:
     """Return the fact of an unknown length, whose numbers are least and greatest lengths in turn."""
-    bounds = itertools.cycle([Number(0), Number(FAR)])
+    bounds = itertools.cycle([Number(0), Number(LONGEST_MM)])
     numbers = [a if a.type != SymbolType.Number else next(bounds) for a in length.arguments]
     return Function(length.name, numbers)
 

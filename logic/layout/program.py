@@ -55,10 +55,10 @@ class Conflict:
     clauses: tuple[Symbol, ...]
 
 
-EVERY = ("--models=0", "--project=show")
+ALL_LAYOUTS = ("--models=0", "--project=show")
 """Arguments of a program that returns every layout once."""
 
-SHORT = ("--heuristic=Berkmin", "--del-init=3,200,200", "--del-grow=1.1,50,+,100,20")
+KEPT_ARGUMENTS = ("--heuristic=Berkmin", "--del-init=3,200,200", "--del-grow=1.1,50,+,100,20")
 """Arguments of a program that is solved for thousands of houses, each a short search in a given order.
 
 By default clasp deletes learnt nogoods after some thousand conflicts of one search. A house has few
@@ -66,23 +66,23 @@ conflicts, so that clasp would keep, and propagate, everything that it learns. T
 nogoods, and more within a long search. The heuristic has no choice to make, so a cheap one suffices.
 """
 
-FREE = ("--configuration=handy", "--sat-prepro=no", "--sign-def=rnd", "--rand-freq=0.02")
+ONE_HOUSE_ARGUMENTS = ("--configuration=handy", "--sat-prepro=no", "--sign-def=rnd", "--rand-freq=0.02")
 """Arguments of a program that is solved for one house, in which layouts are hard to find.
 
 clasp chooses the order of its search, at random by a ``--seed``, and only begins with the sampled picks.
 Simplifying the program first would take as long as it saves.
 """
 
-SOON = 1000
+MAX_ORDERED_CONFLICTS = 1000
 """Number of conflicts after which a search by sampled picks stops. clasp then searches in its own order.
 
 If there is no layout, its own order proves this up to a hundred times sooner.
 """
 
-BOUNDS = (500, 1000, 2000)
+BOUNDED_CONFLICTS = (500, 1000, 2000)
 """Number of conflicts in each search of a bounded program; each search begins with other picks."""
 
-PATIENCE = 200
+MAX_ORDERED_BRANCHES = 200
 """Number of branches on the sampled picks before a free search continues in clasp's order."""
 
 
@@ -103,16 +103,20 @@ class Searching:
         return self.patience is None
 
 
-LASTING = Searching(SHORT, (SOON,), None)
+KEPT_SEARCH = Searching(KEPT_ARGUMENTS, (MAX_ORDERED_CONFLICTS,), None)
 """Search of a program for thousands of houses."""
 
 
 def of_one_house(seed: int, is_bounded: bool = False) -> Searching:
-    """Return the search of a program for one house, which ends at ``BOUNDS`` if it is bounded."""
-    return Searching((*FREE, f"--seed={seed}"), BOUNDS if is_bounded else (None,), PATIENCE)
+    """Return the search of a program for one house, which ends at ``BOUNDED_CONFLICTS`` if it is bounded."""
+    return Searching(
+        (*ONE_HOUSE_ARGUMENTS, f"--seed={seed}"),
+        BOUNDED_CONFLICTS if is_bounded else (None,),
+        MAX_ORDERED_BRANCHES,
+    )
 
 
-LAYOUTS = 1000
+MAX_LAYOUTS = 1000
 """Number of layouts after which a program forgets all learnt nogoods, which grow slowly."""
 
 LEMMAS, NOTHING = 8, 0
@@ -131,7 +135,7 @@ class Program:
         parts: Iterable[Part],
         arguments: Iterable[str] = (),
         most: int | None = None,
-        searching: Searching = LASTING,
+        searching: Searching = KEPT_SEARCH,
         left_out: Places = frozenset(),
     ) -> None:
         """Ground parts of the core and the grammar's files, without the typical rules at ``left_out``.
@@ -161,7 +165,7 @@ class Program:
                 raise MemoryError from None
             raise clingo_error(self.remarks, str(error)) from None
         self._differences.prepare()
-        self.models: list[tuple[list[Symbol], list[Symbol]]] | None = None if searching == LASTING else []
+        self.models: list[tuple[list[Symbol], list[Symbol]]] | None = None if searching == KEPT_SEARCH else []
         """Sampled layouts, each with all atoms that hold in it, for a program of one house; else None."""
         self._literal = Literals(self._control.symbolic_atoms)
         self._turns, self._counts, self._single, self._choices, self._weights = self._options(most is None)
@@ -232,7 +236,7 @@ class Program:
         """Sample a layout with all ``assumed`` atoms, with none of ``without``, and with no nogood.
 
         Return its atoms, sorted; None proves that there is no such layout. The same random numbers and
-        arguments give the same layout. A bounded search raises ``TooMany`` past ``BOUNDS``.
+        arguments give the same layout. A bounded search raises ``TooMany`` past ``BOUNDED_CONFLICTS``.
         """
         holds, excluded = self._literals(assumed, without), [self._excluded(nogood) for nogood in nogoods]
         for bound in self._searching.bounds:
@@ -282,7 +286,7 @@ class Program:
         have the same assumptions and no nogoods.
         """
         self._sampled += 1
-        if excluded or self._excluding or assumed != self._assumed or self._sampled > LAYOUTS:
+        if excluded or self._excluding or assumed != self._assumed or self._sampled > MAX_LAYOUTS:
             self.end_search()
         self._assumed, self._excluding = assumed, bool(excluded)
         self._brancher.branch(order, then, excluded)
@@ -293,9 +297,9 @@ class Program:
                 return model
             self.end_search()  # As after a layout without any choice, which has no successor.
             self._brancher.branch(order, then, excluded)
-        self._configure("solver", forget_on_step=LEMMAS if self._sampled > LAYOUTS else NOTHING)
+        self._configure("solver", forget_on_step=LEMMAS if self._sampled > MAX_LAYOUTS else NOTHING)
         self._configure("solve", enum_mode="user", models=0, solve_limit=f"{bound or 'umax'},umax")
-        self._sampled = self._sampled % (LAYOUTS + 1)
+        self._sampled = self._sampled % (MAX_LAYOUTS + 1)
         self._handle = self._search.enter_context(self._control.solve(assumptions=assumed, yield_=True))
         return self._handle.model()
 
@@ -328,7 +332,7 @@ class Program:
         """Yield the number of layouts with all assumed atoms.
 
         The last item has True if the count is complete, and False if time ran out before. Earlier items come
-        once a second, with the number so far and None. The program must have the arguments ``EVERY``.
+        once a second, with the number so far and None. The program must have the arguments ``ALL_LAYOUTS``.
         """
         begun, shown, number = time.monotonic(), 0.0, 0
         late = Timer(seconds, self._control.interrupt)  # For the case that it takes long to find another one.

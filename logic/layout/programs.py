@@ -12,7 +12,7 @@ from vitruvius.logic.errors import GrammarError
 from vitruvius.logic.grammar import Grammar
 from vitruvius.logic.layout.account import GROUNDING, LAYOUT, Account
 from vitruvius.logic.layout.messages import placed_error
-from vitruvius.logic.layout.program import EVERY, HOUSE, LASTING, Program, of_one_house
+from vitruvius.logic.layout.program import ALL_LAYOUTS, HOUSE, KEPT_SEARCH, Program, of_one_house
 from vitruvius.logic.layout.terms import (
     Lengths,
     granted,
@@ -24,24 +24,24 @@ from vitruvius.logic.layout.terms import (
 from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.spelling import article
 
-GIVEN = {"in_a_row": 4, "fuller": 2}
+GIVEN_ROOM_CONSTANTS = {"in_a_row": 4, "fuller": 2}
 """Constants of ``rules/room/room.lp`` for rooms of given sizes."""
 
-CROWD = 6
+MIN_CROWD_PIECES = 6
 """Least number of pieces, of one type or required together, in a crowded room.
 
 For crowded rooms, picks that are sampled one by one may lead to a proof of exponential length that the pieces
-do not fit in a few rows. Therefore crowded rooms have a separate program for each house (``program.FREE``).
+do not fit in a few rows. Therefore crowded rooms have a separate program for each house (``of_one_house``).
 """
 
 
 def crowded(may: Iterable[Symbol]) -> set[str]:
-    """Return the crowded room types, by the facts ``may/4``; see ``CROWD``."""
+    """Return the crowded room types, by the facts ``may/4``; see ``MIN_CROWD_PIECES``."""
     needed, most = Counter[str](), Counter[str]()
     for type_, _, fewest, number in (fact.arguments for fact in may):
         needed[str(type_)] += fewest.number
         most[str(type_)] = max(most[str(type_)], number.number)
-    return {type_ for type_ in most if max(needed[type_], most[type_]) >= CROWD}
+    return {type_ for type_ in most if max(needed[type_], most[type_]) >= MIN_CROWD_PIECES}
 
 
 def grouped(one_room: Iterable[Symbol], may: Iterable[Symbol]) -> tuple[dict[Symbol, set[str]], set[str]]:
@@ -74,7 +74,7 @@ class Programs:
     ) -> None:
         """Keep a grammar, the pieces of each room type, the facts of their lengths, and the facts of walls.
 
-        ``account`` records the program that is being ground. ``crowded`` are room types; see ``CROWD``.
+        ``account`` records the program that is being ground. ``crowded`` are the crowded room types.
         ``groups`` are the pieces of each group of ``one_room/2``, ``first`` the room types that need some.
         """
         self._account, self._crowded = account, crowded
@@ -98,7 +98,7 @@ class Programs:
         )
 
     def house(self, request: HouseRequest, seed: int) -> Program:
-        """Return the program of one house's rooms, with a random search by a seed: see ``program.FREE``."""
+        """Return the program of one house's rooms, with a random search by a seed: see ``of_one_house``."""
         self._account.at(GROUNDING, f"grounding the rules for {request.rooms} rooms (clingo)")
         stages = [*HOUSE, *parts(self._walls), *parts(room_requirements(request))]
         constants, left_out = {"rooms": request.rooms}, self._grammar.left_out
@@ -157,10 +157,10 @@ class Programs:
             self._account.at(GROUNDING, f"grounding the rules for the furniture of {article(type_)} (clingo)")
             known[key] = Program(
                 self._grammar.asp,
-                {"this_room": type_, **(GIVEN if stage == "plan" else {})},
+                {"this_room": type_, **(GIVEN_ROOM_CONSTANTS if stage == "plan" else {})},
                 [("room", []), (stage, []), *parts(facts)],
                 arguments=arguments,
-                searching=of_one_house(int(own.integers(2**31)), is_bounded=True) if own else LASTING,
+                searching=of_one_house(int(own.integers(2**31)), is_bounded=True) if own else KEPT_SEARCH,
             )
         return known[key]
 
@@ -224,13 +224,15 @@ class Programs:
         seconds ran out, None if the count continues.
         """
         end = time.monotonic() + seconds
-        named = [(str(request), self.rooms_for(request, EVERY))]
+        named = [(str(request), self.rooms_for(request, ALL_LAYOUTS))]
         if sizes := self.unit_sizes(request.rooms):
-            named = [(f"units of {request}", self.units_for(request, arguments=EVERY))]
+            named = [(f"units of {request}", self.units_for(request, arguments=ALL_LAYOUTS))]
             named += [
-                (f"a unit of {size} rooms", self.rooms_for(HouseRequest(size), EVERY)) for size in sizes
+                (f"a unit of {size} rooms", self.rooms_for(HouseRequest(size), ALL_LAYOUTS)) for size in sizes
             ]
-        named += [(type_, self.furniture_for(type_, request, EVERY)) for type_ in sorted(self._furniture)]
+        named += [
+            (type_, self.furniture_for(type_, request, ALL_LAYOUTS)) for type_ in sorted(self._furniture)
+        ]
         for place, (name, (program, assumed)) in enumerate(named):
             self._account.at(LAYOUT, f"counting layouts: {name} (clingo)")
             share = max(0.0, end - time.monotonic()) / (len(named) - place)

@@ -49,7 +49,7 @@ class Statement:
     """Clause of a ``.pl`` file: see ``Conflict``."""
 
 
-EVERYTHING = 15
+FORGET_ALL = 15
 """Value of clasp's option ``forget_on_step`` for scores, signs, nogoods and lemmas."""
 
 CONFLICTS = 100
@@ -216,7 +216,7 @@ class Relaxed:
 
     def forget(self) -> None:
         """Forget after each search what it learnt, since a hard search would mislead later ones."""
-        self._control.configuration.solver.forget_on_step = EVERYTHING
+        self._control.configuration.solver.forget_on_step = FORGET_ALL
 
     def left_out(self, statements: Iterable[Statement]) -> list[Statement]:
         """Return the known statements that do not hold in the last layout."""

@@ -15,7 +15,7 @@ from vitruvius.logic.request.fixed_rooms import FixedRoom
 from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.request.own_plan import OwnPlan
 
-STEP = 500
+DEPTH_STEP_MM = 500
 """Precision of the depth of a unit in stage 1, millimetres."""
 
 Span = tuple[float, float]
@@ -24,7 +24,7 @@ Span = tuple[float, float]
 ANY: Span = (0.0, 1e6)
 """Span of an unlimited length, millimetres."""
 
-STAIR = 1.08
+MIN_STEP_RATIO = 1.08
 """Least ratio between the widths of successive steps of an area."""
 
 Lengths = Mapping[str, Sequence[tuple[Symbol, Symbol]]]
@@ -112,7 +112,7 @@ def brief_facts(brief: Brief, on_request: bool, lengths: Iterable[Symbol] = ()) 
     found += [ASKED_DOORS] if brief.is_alone and not brief.other_doors else []
     sides = dict(_sides(brief, lengths))
     for box, (least, most) in area_ranges(brief).items():
-        ratio = max(STAIR, (most / least) ** 0.5)
+        ratio = max(MIN_STEP_RATIO, (most / least) ** 0.5)
         lower = ceil(log(most / least) / log(ratio) - 1e-9)
         square = 100 * most  # square millimetres
         widths = _stairs(*_widths(100 * least, square, *sides.get(box, (ANY, ANY))), ratio, lower)
@@ -280,8 +280,8 @@ def berth_fact(
 
 def depth_steps(least: float, most: float) -> list[Symbol]:
     """Return the facts of ``rules/shared_walls/units.lp`` about the depths of units, metres."""
-    first, last = floor(1000 * least / STEP), ceil(1000 * most / STEP)
-    return [Function("step", [Number(STEP * number)]) for number in range(first, last + 1)]
+    first, last = floor(1000 * least / DEPTH_STEP_MM), ceil(1000 * most / DEPTH_STEP_MM)
+    return [Function("step", [Number(DEPTH_STEP_MM * number)]) for number in range(first, last + 1)]
 
 
 def _millimetres(extremes: Sequence[float]) -> list[Symbol]:

@@ -22,7 +22,7 @@ from vitruvius.logic.house.parts import ORIGINAL
 from vitruvius.logic.opener import content_of, from_json
 from vitruvius.logic.spelling import closest, listed
 
-NAME = "looks.json"
+FILE_NAME = "looks.json"
 """Name of the file, here and in a grammar's folder."""
 
 MOST_BYTES = 1 << 20
@@ -96,7 +96,7 @@ def looks_of(house: House, grammar: str | Path | None = None) -> Looks:
 
 def folder_looks(directory: Path) -> Looks:
     """Return the looks of a grammar's folder over those of all grammars. Raises as ``looks_of`` does."""
-    file = directory / NAME
+    file = directory / FILE_NAME
     if not directory.is_dir():
         raise GrammarError("there is no such directory of a grammar", directory)
     if not file.exists():
@@ -229,8 +229,8 @@ def _wrong_colour(value: Any) -> str:
     if not (isinstance(value, str) and re.fullmatch("#[0-9a-fA-F]{6}", value)):
         shown = json.dumps(value)
         return f'{shown} is not a colour: write it as "#dbe6f4", two digits each of red, green and blue'
-    if (found := contrast(value, INK)) < READABLE:
-        return f"text is not readable on {value}: the contrast is {found:.1f}, less than {READABLE}"
+    if (found := contrast(value, INK)) < MIN_CONTRAST:
+        return f"text is not readable on {value}: the contrast is {found:.1f}, less than {MIN_CONTRAST}"
     return ""
 
 
@@ -309,9 +309,9 @@ def _luminance(colour: str) -> float:
 INK = "#3d4450"
 """Colour of words on a plan."""
 
-READABLE = 4.5
+MIN_CONTRAST = 4.5
 """Least contrast of words with their background: WCAG 2.2, level AA."""
 
-DEFAULT, _ERRORS = read_looks(Path(__file__).with_name(NAME), Looks())
+DEFAULT, _ERRORS = read_looks(Path(__file__).with_name(FILE_NAME), Looks())
 if _ERRORS:
     raise _ERRORS[0]

@@ -18,10 +18,10 @@ from vitruvius.logic.layout.program import TooMany
 from vitruvius.logic.layout.relaxed import Relaxed, Statement
 from vitruvius.logic.request.house_request import HouseRequest
 
-FIRST, LARGER = 2_000, 4
+FIRST_CONFLICTS, CONFLICTS_FACTOR = 2_000, 4
 """Number of conflicts of clingo in the first round, and the factor for each further round."""
 
-FEWER = (0.9, 0.75, 0.5)
+ROOM_FRACTIONS = (0.9, 0.75, 0.5)
 """Fractions of the requested number of rooms that are tried, too."""
 
 
@@ -35,21 +35,21 @@ def easing(builder: Builder, request: HouseRequest) -> Iterator[str]:
     relaxed, statements = feasibility.house(request)
     relaxed.forget()
     tried = sorted(filter(_is_own, statements), key=_is_copied)
-    conflicts, found = FIRST, False
+    conflicts, found = FIRST_CONFLICTS, False
     while not found and not _has_layout(relaxed, statements, conflicts):
         for each in tried:
             others = [other for other in statements if other is not each]
-            if _has_layout(relaxed, others, conflicts // LARGER if _is_copied(each) else conflicts):
+            if _has_layout(relaxed, others, conflicts // CONFLICTS_FACTOR if _is_copied(each) else conflicts):
                 found = True
                 yield f"without {each.reason}"
         if not (found or request.given or request.fixed):
-            fewer = (round(share * request.rooms) for share in FEWER)
+            fewer = (round(share * request.rooms) for share in ROOM_FRACTIONS)
             for other in (replace(request, rooms=rooms) for rooms in fewer if rooms):
                 if _has_layout(*feasibility.house(other), conflicts):
                     found = True
                     yield f"with --rooms {other.rooms}"
                     break
-        conflicts *= LARGER
+        conflicts *= CONFLICTS_FACTOR
 
 
 def _has_layout(relaxed: Relaxed, statements: Sequence[Statement], conflicts: int) -> bool:

@@ -24,7 +24,7 @@ from vitruvius.logic.request.own_plan import OwnPlan, Wall
 
 R = TypeVar("R", Door, Window)
 
-LAYOUTS = 12
+MAX_LAYOUTS = 12
 """Number of choices of types, doors and windows to try if the plan leaves some of them open."""
 
 
@@ -53,7 +53,7 @@ def _moved(builder: Builder, request: HouseRequest, rng: np.random.Generator) ->
     draft = PlanDraft(rules, request, work, rules.assumed(request, work))
     best, least = None, float("inf")
     lines = _lines(plan)
-    for _ in range(LAYOUTS):
+    for _ in range(MAX_LAYOUTS):
         if places := _places(builder.placer, plan, draft.sample(), lines):
             *found, _ = places
             off = sum(np.abs(np.subtract(a, b)).sum() for a, b in zip(found, lines, strict=True))

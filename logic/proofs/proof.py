@@ -26,14 +26,14 @@ from vitruvius.logic.request.counts import MOST_ROOMS
 from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.spelling import article
 
-NEAR = 8
+MAX_ROOMS_AWAY_IN_STARS = 8
 """Largest distance of other numbers of rooms that are tried."""
 
-MOST_TRIED = 100
+MAX_TRIED_LAYOUTS = 100
 """Largest number of refuted layouts in a test if another request has a house."""
 
-NEXT = 3
-"""``NEAR`` for rooms that share walls, for which each number takes a tenth of a second or more."""
+MAX_ROOMS_AWAY = 3
+"""The same for rooms that share walls, for which each number takes a tenth of a second or more."""
 
 
 class Prover:
@@ -121,7 +121,7 @@ class Prover:
             some = [each for each in statements if each.reason in conflict]
             question = self._of.of_rooms(relaxed, other)
             try:
-                possible = question.possible(some, MOST_TRIED)
+                possible = question.possible(some, MAX_TRIED_LAYOUTS)
             except TooMany:  # It may be: so the number is named.
                 named = True
                 continue
@@ -191,9 +191,9 @@ def asked(found: NoLayout) -> tuple[Question, list[Statement], Mapping[Reason, S
 
 
 def _soon(question: Question, statements: Sequence[Statement]) -> list[Symbol] | None:
-    """Return a layout; None if there is none, or none is found within ``MOST_TRIED``."""
+    """Return a layout; None if there is none, or none is found within ``MAX_TRIED_LAYOUTS``."""
     try:
-        return question.layout(statements, MOST_TRIED)
+        return question.layout(statements, MAX_TRIED_LAYOUTS)
     except TooMany:
         return None
 
@@ -205,7 +205,7 @@ def _others(request: HouseRequest, far: bool) -> tuple[list[int], list[int]]:
     first, and powers of two in addition; without it, large houses have too many rules of shared walls.
     """
     wanted = sum(least for least, _ in request.types.values())
-    near = NEAR if far else NEXT
+    near = MAX_ROOMS_AWAY_IN_STARS if far else MAX_ROOMS_AWAY
     few = {*range(1, near), *(2**n for n in range(8) if far)}
     some = {*few, *(n for number in (request.rooms, wanted) for n in range(number - near, number + near + 1))}
     first = some if far or wanted > request.rooms else {*few, request.rooms - 1, request.rooms + 1}

@@ -11,10 +11,10 @@ from typing import Any, NamedTuple
 import shapely
 from shapely import LineString, Polygon, affinity
 
+from vitruvius.logic.readers.length_units import metres_to
 from vitruvius.logic.readers.sketch import Passage, Sketch, Space
 from vitruvius.logic.readers.types import TOGETHER, Least, least_sizes, uses
-from vitruvius.logic.readers.units import metres_to
-from vitruvius.logic.shapes.lines import MOST_WALL
+from vitruvius.logic.shapes.lines import MAX_WALL_M
 
 MAX_CORNERS, MAX_OUTLINE = 8, 64
 """Number of corners at which a room may be cut, for each axis; number of corners of a room that is cut."""
@@ -80,7 +80,7 @@ def _best(space: Space, own: Sequence[str], sketch: Sketch, metres: float) -> Cu
     """Return the best cut of a room; None for one use, or if every cut leaves a part that is too narrow."""
     if len(own) < 2 or shapely.get_num_coordinates(space.shape) > MAX_OUTLINE:
         return None
-    reach = MOST_WALL / metres
+    reach = MAX_WALL_M / metres
     near = [each.shape for each in sketch.spaces if space.shape.dwithin(each.shape, 2 * reach)]
     around = shapely.union_all([each for each in near if each is not space.shape]).buffer(reach)
     panes = [each for each in sketch.windows if shapely.distance(each, space.shape) < reach]

@@ -21,8 +21,9 @@ from vitruvius.logic.errors import RequestError
 from vitruvius.logic.house.parts import LONGEST_NAME
 from vitruvius.logic.opener import reason
 from vitruvius.logic.readers.features import GEOMETRIES, features
+from vitruvius.logic.readers.length_units import degrees_of, is_web_mercator, metres_to, plane
 from vitruvius.logic.readers.sketch import (
-    FAR,
+    MAX_COORDINATE,
     Passage,
     Sketch,
     Space,
@@ -32,7 +33,6 @@ from vitruvius.logic.readers.sketch import (
     require_plain,
 )
 from vitruvius.logic.readers.types import element, meant
-from vitruvius.logic.readers.units import degrees_of, is_web_mercator, metres_to, plane
 from vitruvius.logic.spelling import numbered, printable
 
 FORMAT = "GeoJSON"
@@ -76,7 +76,7 @@ ATOM = re.compile(r"[a-z]\w*", re.ASCII)
 DOOR = 0.8
 """Width of a door that is drawn as a point, metres."""
 
-LARGEST, SMALLEST = 50.0, 0.01
+MAX_ROOM_SIDE_M, MIN_ROOM_SIDE_M = 50.0, 0.01
 """Greatest and least median side of rooms, metres; beyond them the coordinates have another unit."""
 
 
@@ -263,9 +263,12 @@ def _valid(room: Feature, space: Space) -> list[Space]:
 def _corners(ring: Any, where: str) -> Iterator[tuple[float, float]]:
     for point in ring if isinstance(ring, Sequence) else ():
         numbers = point[:2] if isinstance(point, Sequence) and not isinstance(point, str) else ()
-        if len(numbers) < 2 or not all(type(each) in (int, float) and abs(each) <= FAR for each in numbers):
+        if len(numbers) < 2 or not all(
+            type(each) in (int, float) and abs(each) <= MAX_COORDINATE for each in numbers
+        ):
             raise RequestError(
-                f"{where}: a corner is two numbers, x and y, of {FAR:.0e} at most, not {str(point)[:40]!r}"
+                f"{where}: a corner is two numbers, x and y, of {MAX_COORDINATE:.0e} at most, "
+                f"not {str(point)[:40]!r}"
             )
         yield float(numbers[0]), float(numbers[1])
 
@@ -274,7 +277,7 @@ def _geometry(opening: Feature) -> Geometry:
     """Return the geometry of a door or a window. Raises ``RequestError`` if it is invalid."""
     try:
         found = shapely.force_2d(shape(dict(opening.geometry)))
-        if found.is_empty or not (abs(shapely.get_coordinates(found)) < FAR).all():
+        if found.is_empty or not (abs(shapely.get_coordinates(found)) < MAX_COORDINATE).all():
             raise ValueError
         return found
     except (shapely.errors.ShapelyError, ValueError, TypeError, KeyError, IndexError, AttributeError):
@@ -292,15 +295,15 @@ def _flat(shapes: Sequence[shapely.Polygon], unit: str | None) -> tuple[Any, lis
         side for west, south, east, north in bounds for side in (east - west, north - south)
     )
     on_earth = all(abs(edge) <= (180, 90)[k % 2] for box in bounds for k, edge in enumerate(box))
-    if middle < SMALLEST and on_earth and unit is None:
+    if middle < MIN_ROOM_SIDE_M and on_earth and unit is None:
         project = plane(shapes)
         lon, lat = shapely.union_all(shapes).centroid.coords[0]
         said = f"degrees of longitude and latitude, made metres around {lon:.5f}, {lat:.5f}"
         return (lambda some: shapely.transform(some, project)), [said], _rounding(shapes)
-    if middle < SMALLEST:
+    if middle < MIN_ROOM_SIDE_M:
         size = f"half of the rooms' sides are shorter than {middle:.2g} {unit or 'm'}"
         raise RequestError(f"plan: {size}: these are not rooms in metres: give --plan-unit")
-    if middle > LARGEST:
+    if middle > MAX_ROOM_SIDE_M:
         size = f"half of the rooms' sides are longer than {middle / factor:,.0f}"
         guess = {"mm": middle > 700, "cm": middle > 100}
         found = next((name for name, is_so in guess.items() if is_so and factor == 1), None)

@@ -17,7 +17,7 @@ from vitruvius.logic.house.parts import MOST_ROOMS
 from vitruvius.logic.readers.sketch import Passage, Sketch, Space, numbers, require_none, require_plain
 from vitruvius.logic.readers.types import OUTSIDE, meant
 from vitruvius.logic.shapes.corners import parts_of
-from vitruvius.logic.shapes.doorways import SMALLEST, Doorway, cut, doorways_of
+from vitruvius.logic.shapes.doorways import MIN_ROOM_M2, Doorway, cut, doorways_of
 
 FORMAT = "a plan of HouseExpo"
 
@@ -27,16 +27,16 @@ MAX_BOXES = 2 * MOST_ROOMS
 MAX_WORK = 1 << 24
 """Number of corners times doorways times boxes: each doorway compares the rooms beside it with all boxes."""
 
-SAME = 0.05
+SAME_BOX_M = 0.05
 """Metres within which boxes of two types are one room."""
 
-DOOR = 1.3
+MAX_DOOR_M = 1.3
 """Greatest width, metres, of a gap from a wall's end to a wall's side that is a door if no box decides."""
 
-SURE, LIKELY = 0.7, 0.5
+SURE_OVERLAP, LIKELY_OVERLAP = 0.7, 0.5
 """Intersection over union of a box and a room, from which the box certainly or probably is that room's."""
 
-BEVEL = 0.03
+MAX_BEVEL_M = 0.03
 """Greatest length of a bevel along an axis, metres."""
 
 PART, OF_ROOM, OF_BOX = 0.8, 0.6, 0.7
@@ -46,7 +46,7 @@ In order: its least area, square metres; the least fraction of a room that a box
 the least fraction of a box that lies in the room of which the box is a part.
 """
 
-SNAP = 0.3
+MAX_SNAP_M = 0.3
 """Distance within which a side of such a part moves onto a wall, metres."""
 
 
@@ -76,7 +76,7 @@ def read_houseexpo(_: bytes, record: Any, storey: str | None) -> Sketch:
     if (len(doorways) + 1) * (len(boxes.words) + 1) * shapely.get_num_coordinates(floor) > MAX_WORK:
         raise RequestError(f"plan: {FORMAT}: too many corners, doorways and boxes of rooms: keep one house")
     rooms, doorways = cut(floor, doorways, lambda one, other, doorway: _is_one(one, other, doorway, boxes))
-    passages = [Passage(each.gap, is_open=each.width > DOOR) for each in doorways]
+    passages = [Passage(each.gap, is_open=each.width > MAX_DOOR_M) for each in doorways]
     fits = np.array([boxes.fits(room) for room in rooms])
     spaces = list[Space]()
     for number, room in enumerate(rooms):
@@ -105,7 +105,7 @@ def without_bevels(shape: Polygon) -> Polygon:
     for (x, y), (to_x, to_y) in pairwise(ring):
         corners.append((x, y))
         if x != to_x and y != to_y:
-            if max(abs(to_x - x), abs(to_y - y)) > BEVEL:
+            if max(abs(to_x - x), abs(to_y - y)) > MAX_BEVEL_M:
                 return shape
             # The wall before the bevel is extended to the corner.
             corners.append((to_x, y) if is_level else (x, to_y))
@@ -129,7 +129,7 @@ def _boxes(categories: Any, floor: Geometry) -> Boxes:
                 )
             shape = shapely.box(box[0], box[1], box[2], box[3])
             for place, (other, words) in enumerate(found):
-                if max(abs(a - b) for a, b in zip(shape.bounds, other.bounds, strict=True)) < SAME:
+                if max(abs(a - b) for a, b in zip(shape.bounds, other.bounds, strict=True)) < SAME_BOX_M:
                     # A bathroom with a toilet is listed as both.
                     found[place] = other, ((word, *words) if "Toilet" in words else (*words, word))
                     break
@@ -144,9 +144,9 @@ def _is_one(one: Polygon, other: Polygon, doorway: Doorway, boxes: Boxes) -> boo
         return False
     whole = shapely.union_all([one, other, doorway.shape])
     apart, together = max(_best(boxes, one), _best(boxes, other)), _best(boxes, whole)
-    if max(apart, together) < LIKELY:
-        return doorway.width > DOOR
-    return apart < SURE and apart < together
+    if max(apart, together) < LIKELY_OVERLAP:
+        return doorway.width > MAX_DOOR_M
+    return apart < SURE_OVERLAP and apart < together
 
 
 def _best(boxes: Boxes, room: Geometry) -> float:
@@ -168,7 +168,7 @@ def _parts(room: Polygon, boxes: Boxes, own: Sequence[int]) -> Iterator[tuple[Po
         is_whole[parts.pop()] = True
     for box in parts:
         split = _split(room, boxes.shapes[box], [boxes.shapes[each] for each in own if each != box])
-        part, rest = ([each for each in parts_of(some) if each.area > SMALLEST] for some in split)
+        part, rest = ([each for each in parts_of(some) if each.area > MIN_ROOM_M2] for some in split)
         if len(part) == len(rest) == 1 and min(part[0].area, rest[0].area) > PART:
             yield part[0], boxes.words[box]
             room = rest[0]
@@ -187,10 +187,10 @@ def _split(room: Polygon, box: Polygon, others: Sequence[Polygon]) -> tuple[Geom
     for k, edge in enumerate(box.bounds):
         walls = corners[:, k % 2]
         near = walls[abs(walls - edge).argmin()]
-        if abs(near - edge) >= SNAP:
+        if abs(near - edge) >= MAX_SNAP_M:
             facing = [other.bounds[(k + 2) % 4] for other in others]
             near = (min(facing, key=lambda place: abs(place - edge), default=edge) + edge) / 2
-        edges.append(near if abs(near - edge) < SNAP else edge)
+        edges.append(near if abs(near - edge) < MAX_SNAP_M else edge)
     inner = shapely.box(*edges)
     return room & inner, room - inner
 

@@ -13,6 +13,7 @@ from shapely.geometry import shape
 
 from vitruvius.logic.errors import RequestError
 from vitruvius.logic.opener import ZIPPED, archive_of, from_json, member_of
+from vitruvius.logic.readers.length_units import plane
 from vitruvius.logic.readers.sketch import (
     Passage,
     Sketch,
@@ -22,7 +23,6 @@ from vitruvius.logic.readers.sketch import (
     require_few,
     require_plain,
 )
-from vitruvius.logic.readers.units import plane
 
 FORMAT = "IMDF"
 

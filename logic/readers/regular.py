@@ -16,12 +16,12 @@ from shapely import Geometry, Polygon, affinity
 from vitruvius.logic.errors import RequestError
 from vitruvius.logic.house.boxes import Box
 from vitruvius.logic.house.parts import LONGEST_NAME, MOST_ROOMS, OUTSIDE, Room
+from vitruvius.logic.readers.length_units import metres_to
 from vitruvius.logic.readers.sketch import Sketch, Space, require_plain
 from vitruvius.logic.readers.types import OUTSIDE as NO_ROOM
 from vitruvius.logic.readers.types import kind_of
-from vitruvius.logic.readers.units import metres_to
 from vitruvius.logic.shapes.corners import moved, parts_of, squared
-from vitruvius.logic.shapes.lines import MOST_WALL, common_lines
+from vitruvius.logic.shapes.lines import MAX_WALL_M, common_lines
 from vitruvius.logic.shapes.room_boxes import room_boxes, room_of
 from vitruvius.logic.shapes.tidy import open_borders, without_slivers, without_stubs
 from vitruvius.logic.spelling import numbered
@@ -32,10 +32,10 @@ MAX_CORNERS = 1 << 13
 ANY = "room"
 """Word of the table for a room of any type."""
 
-TURNED = 0.25
+MAX_TURN_DEG = 0.25
 """Greatest angle of a plan that is not turned back, degrees."""
 
-SIZES = 0.7, 30.0
+ROOM_SIDES_M = 0.7, 30.0
 """Least and greatest median side of a plan's rooms, metres."""
 
 
@@ -87,9 +87,9 @@ def regular(sketch: Sketch, unit: str | None, snap: float, types: Collection[str
     metres = metres_to(unit) if unit else sketch.unit
     _require_sizes([each.shape for each in spaces], metres, sketch.format, unit)
     turn = _turn([affinity.scale(each.shape, metres, metres, origin=(0, 0)) for each in spaces])
-    if abs(turn) > TURNED:
+    if abs(turn) > MAX_TURN_DEG:
         notes.append(f"rotated by {turn:.1f} degrees, so that walls run along the axes")
-    upright = _upright(spaces, metres, turn if abs(turn) > TURNED else 0.0, sketch.north_up)
+    upright = _upright(spaces, metres, turn if abs(turn) > MAX_TURN_DEG else 0.0, sketch.north_up)
     inner, others = _surrounded(spaces, others, upright)
     if inner:
         notes.append(
@@ -181,11 +181,11 @@ def _surrounded(
     if not others:
         return [], []
     floor = shapely.union_all([upright(space.shape) for space in spaces])
-    outlines = [Polygon(part.exterior) for part in parts_of(floor.buffer(MOST_WALL / 2, join_style="mitre"))]
+    outlines = [Polygon(part.exterior) for part in parts_of(floor.buffer(MAX_WALL_M / 2, join_style="mitre"))]
     found: tuple[list[Space], list[Space]] = [], []
     for each in others:
         shape = upright(each.shape)
-        beside = [part for part in outlines if shapely.dwithin(part, shape, MOST_WALL / 2)]
+        beside = [part for part in outlines if shapely.dwithin(part, shape, MAX_WALL_M / 2)]
         is_inner = len(beside) > 1 or any(part.covers(shape) for part in beside)
         found[not is_inner].append(each)
     return found
@@ -199,7 +199,7 @@ def _require_sizes(shapes: Sequence[Polygon], metres: float, format: str, unit: 
         for side in (east - west, north - south)
     ]
     middle = median(sides)
-    if not SIZES[0] <= middle <= SIZES[1]:
+    if not ROOM_SIDES_M[0] <= middle <= ROOM_SIDES_M[1]:
         off = "shorter" if middle < 1 else "longer"
         why = f"{unit} is not its unit: give another with" if unit else "these are not rooms in metres: give"
         raise RequestError(

@@ -13,7 +13,7 @@ from vitruvius.logic.errors import RequestError
 from vitruvius.logic.house.parts import LONGEST_NAME, MOST_OPENINGS, MOST_ROOMS
 from vitruvius.logic.spelling import listed, numbered, quoted, unknown
 
-FAR = 1e8
+MAX_COORDINATE = 1e8
 """Greatest distance from the origin, in units of the file; coordinates of maps are smaller."""
 
 
@@ -30,7 +30,7 @@ SIDES_PER_QUERY = 256
 """Number of sides in one query of the spatial index."""
 
 
-METRES, NEAR = re.compile(r"[-+]?\d{1,6}(?:\.\d{1,6})?\s?m?"), 0.5
+METRES, MAX_FLOOR_DISTANCE_M = re.compile(r"[-+]?\d{1,6}(?:\.\d{1,6})?\s?m?"), 0.5
 """Height as a user writes it; greatest distance of a floor from that height, metres."""
 
 
@@ -101,7 +101,7 @@ def require_plain(shapes: Sequence[Geometry]) -> None:
     valid.
     """
     corners, shape = shapely.get_coordinates(shapely.get_parts(shapes), return_index=True)
-    if not np.all(np.abs(corners) < FAR):
+    if not np.all(np.abs(corners) < MAX_COORDINATE):
         raise RequestError("plan: numbers are too large")
     if len(corners) > MAX_CORNERS:
         raise RequestError(f"plan: it has {len(corners):,} corners: at most {MAX_CORNERS:,} are read")
@@ -158,7 +158,7 @@ def chosen(names: Sequence[str], storey: str | None, floors: Sequence[float] = (
     same = [place for place, each in enumerate(storeys) if each.casefold() == storey.strip().casefold()]
     if not same and floors and METRES.fullmatch(storey.strip()):
         height = float(storey.strip().removesuffix("m"))
-        same = [place for place, floor in enumerate(floors) if abs(floor - height) < NEAR]
+        same = [place for place, floor in enumerate(floors) if abs(floor - height) < MAX_FLOOR_DISTANCE_M]
     if not same:
         raise RequestError(f"plan: {unknown('storey', storey, storeys)}")
     return same[0]

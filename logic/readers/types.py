@@ -19,7 +19,7 @@ OUTSIDE = "outside"
 MAX_LETTERS, MAX_WORDS = 100, 4
 """Number of letters of a name that are read, and of words in one phrase, such as ``salle de bain``."""
 
-SHORT, HEAD = 2, 4
+MAX_ABBREVIATION_LETTERS, MIN_HEAD_LETTERS = 2, 4
 """Greatest length of an abbreviation, and least length of the last part of a compound word, in letters.
 
 ``Elternschlafzimmer`` is such a compound word.
@@ -126,7 +126,7 @@ def _of_words(parts: list[str]) -> Uses:
     if (found := _whole("".join(parts), parts[0].isupper())) or len(parts) > 1:
         return found
     letters = _letters(parts[0])
-    heads = (letters[start:] for start in range(1, len(letters) - HEAD + 1))
+    heads = (letters[start:] for start in range(1, len(letters) - MIN_HEAD_LETTERS + 1))
     found = next((found for head in heads if (found := _words().get(head))), ())
     return () if {"", OUTSIDE} & {*found} else found
 
@@ -134,7 +134,7 @@ def _of_words(parts: list[str]) -> Uses:
 def _whole(word: str, is_capital: bool) -> Uses:
     """Return the types of a word in the table. Abbreviations such as ``OH`` are known only in capitals."""
     letters = _letters(word)
-    if len(letters) <= SHORT and not is_capital and letters not in table().types:
+    if len(letters) <= MAX_ABBREVIATION_LETTERS and not is_capital and letters not in table().types:
         return ()
     return _words().get(letters, ())
 

@@ -25,14 +25,14 @@ from vitruvius.logic.house.parts import MOST_WALLS, OUTSIDE, FreeWall
 from vitruvius.logic.opener import reason
 from vitruvius.logic.readers.features import features, from_text, inner_wall, is_geojson
 from vitruvius.logic.readers.houseexpo import is_houseexpo, outline, without_bevels
-from vitruvius.logic.readers.sketch import FAR, MAX_CORNERS, polygons, require_plain
-from vitruvius.logic.readers.units import degrees_of, is_web_mercator, plane
+from vitruvius.logic.readers.length_units import degrees_of, is_web_mercator, plane
+from vitruvius.logic.readers.sketch import MAX_COORDINATE, MAX_CORNERS, polygons, require_plain
 from vitruvius.logic.spelling import numbered
 
 MOST_BYTES = 1 << 24
 """Largest size of a file, in bytes."""
 
-CELL = 0.1
+CELL_M = 0.1
 """Side of a cell, metres. A robot must not fit between a wall and the cells behind it."""
 
 BLOCK_CELLS, BLOCK_PARTS, MAX_BLOCKS, MAX_CROSSED = 64, 4, 1 << 21, 1 << 20
@@ -40,12 +40,12 @@ BLOCK_CELLS, BLOCK_PARTS, MAX_BLOCKS, MAX_CROSSED = 64, 4, 1 << 21, 1 << 20
 of columns and rows that all sides cross.
 """
 
-TOO_LONG = f"its outlines cross more than a million cells of {CELL:g} m: keep less of it"
+TOO_LONG = f"its outlines cross more than a million cells of {CELL_M:g} m: keep less of it"
 
-SAME = 1e-3
+SAME_LINE_M = 1e-3
 """Distance within which lines are one, metres, as files are precise to a millimetre."""
 
-SMALLEST, THICKEST, LARGEST_DEGREES = 1.0, 10.0, 0.02
+MIN_PLAN_M, MAX_WALL_M, MAX_PLAN_DEG = 1.0, 10.0, 0.02
 """Limits of a plausible plan: least size and greatest thickness of walls, metres; greatest size, degrees."""
 
 
@@ -102,9 +102,9 @@ def _of_geojson(record: Mapping[str, Any]) -> House:
             )
         elif dimensions == 1:
             width = properties.get("thickness", 0.0)
-            if type(width) not in (int, float) or not 0 <= width < THICKEST:
+            if type(width) not in (int, float) or not 0 <= width < MAX_WALL_M:
                 raise ValueError(
-                    f"features[{number}]: thickness is metres, 0 to {THICKEST:g}, not {str(width)[:40]}"
+                    f"features[{number}]: thickness is metres, 0 to {MAX_WALL_M:g}, not {str(width)[:40]}"
                 )
             walls += _walls(shape, float(width))
         else:
@@ -115,7 +115,7 @@ def _of_geojson(record: Mapping[str, Any]) -> House:
 def _in_metres(shapes: list[tuple[Any, Mapping[str, Any]]]) -> list[tuple[Any, Mapping[str, Any]]]:
     """Return shapes, with their properties, in metres: those that are in degrees are projected."""
     west, north, east, south = shapely.total_bounds([shape for shape, _ in shapes]).tolist()
-    if not (max(east - west, south - north) < LARGEST_DEGREES and abs(west) <= 180 and abs(north) < 89):
+    if not (max(east - west, south - north) < MAX_PLAN_DEG and abs(west) <= 180 and abs(north) < 89):
         return shapes
     project = plane([shapely.box(west, north, east, south)])
     said = f"plan: degrees of longitude and latitude, made metres around {west:.5f}, {-south:.5f}"
@@ -135,7 +135,7 @@ def _shape(feature: Any, where: str) -> tuple[Any, Mapping[str, Any]]:
     except (GEOSException, ValueError) as error:
         raise ValueError(f"{where}: {reason(error)[:80]}") from None
     properties = feature.get("properties")
-    if not (np.abs(shapely.get_coordinates(shape)) < FAR).all():
+    if not (np.abs(shapely.get_coordinates(shape)) < MAX_COORDINATE).all():
         raise ValueError(f"{where}: numbers are too large")
     return shape, properties if isinstance(properties, Mapping) else {}
 
@@ -164,19 +164,19 @@ def _house(
     if not floor:
         raise ValueError("it has no polygon of floor")
     all_doors = [*doors, *entrances]
-    beside = shapely.STRtree(floor).query(np.array(all_doors, object), "dwithin", SAME)[0]
+    beside = shapely.STRtree(floor).query(np.array(all_doors, object), "dwithin", SAME_LINE_M)[0]
     opened = [all_doors[k] for k in np.flatnonzero(np.bincount(beside) > 1)]
-    ways = shapely.union_all([door.buffer(SAME) for door in opened])
+    ways = shapely.union_all([door.buffer(SAME_LINE_M) for door in opened])
     jambs = [polygon.boundary for door in opened if door.area for polygon in polygons(door)]
     all_floor = shapely.union_all(floor)
     _warn_of_shut({*doors} - {*opened}, all_floor)
     lines = [shapely.union_all([each.boundary for each in floor]) - ways]
     if jambs:
-        lines.append(shapely.union_all(jambs) - all_floor.buffer(SAME))
+        lines.append(shapely.union_all(jambs) - all_floor.buffer(SAME_LINE_M))
     inside = all_floor | ways
     west, north, east, south = inside.bounds
     x, y = (west + east) / 2, (north + south) / 2
-    outlines = shapely.line_merge(shapely.union_all(lines)).simplify(SAME / 10)
+    outlines = shapely.line_merge(shapely.union_all(lines)).simplify(SAME_LINE_M / 10)
     placed = (
         FreeWall(wall.x1 - x, wall.y1 - y, wall.x2 - x, wall.y2 - y, wall.thickness)
         for wall in (*_walls(outlines, 0.0), *more)
@@ -193,7 +193,7 @@ def _warn_of_shut(doors: Collection[Any], floor: Any) -> None:
 
     A door in the midst of floor has no wall to open.
     """
-    inner = floor.buffer(-SAME) if doors else floor
+    inner = floor.buffer(-SAME_LINE_M) if doors else floor
     if shut := sum(not inner.covers(door.centroid) for door in doors):
         join, are = ("joins", "is") if shut == 1 else ("join", "are")
         said = f"plan: {numbered(shut, 'door')} {join} no two polygons of floor, and {are} shut"
@@ -210,16 +210,16 @@ def _walls(shape: Any, thickness: float) -> list[FreeWall]:
 def _outside(inside: Any, x: float, y: float) -> OccupancyGrid:
     """Return the map, its middle at (0, 0), whose free cells contain floor."""
     west, north, east, south = inside.bounds
-    if max(east - west, south - north) < SMALLEST:
+    if max(east - west, south - north) < MIN_PLAN_M:
         raise ValueError(
             f"it is {east - west:.2g} by {south - north:.2g} m: write it in metres, or in degrees"
         )
-    columns, rows = ceil((east - west) / CELL), ceil((south - north) / CELL)
+    columns, rows = ceil((east - west) / CELL_M), ceil((south - north) / CELL_M)
     if columns * rows > MOST_CELLS:
-        raise ValueError(f"in cells of {CELL:g} m {too_many(rows, columns)}")
-    corner = -columns * CELL / 2, -rows * CELL / 2
-    left, top = x + corner[0] + CELL * np.arange(columns), y + corner[1] + CELL * np.arange(rows)
-    return OccupancyGrid.of(np.where(_free(inside, left, top), FREE, UNKNOWN), CELL, corner)
+        raise ValueError(f"in cells of {CELL_M:g} m {too_many(rows, columns)}")
+    corner = -columns * CELL_M / 2, -rows * CELL_M / 2
+    left, top = x + corner[0] + CELL_M * np.arange(columns), y + corner[1] + CELL_M * np.arange(rows)
+    return OccupancyGrid.of(np.where(_free(inside, left, top), FREE, UNKNOWN), CELL_M, corner)
 
 
 def _free(inside: Any, left: np.ndarray, top: np.ndarray) -> np.ndarray:
@@ -244,7 +244,7 @@ def _free(inside: Any, left: np.ndarray, top: np.ndarray) -> np.ndarray:
         if (asked := asked + len(row)) > MAX_BLOCKS:
             raise ValueError(TOO_LONG)
         south, east = np.minimum(row + size, len(top)), np.minimum(column + size, len(left))
-        boxes = shapely.box(left[column], top[row], left[east - 1] + CELL, top[south - 1] + CELL)
+        boxes = shapely.box(left[column], top[row], left[east - 1] + CELL_M, top[south - 1] + CELL_M)
         is_crossed = np.zeros(len(boxes), bool)
         is_crossed[tree.query(boxes, "intersects")[0]] = True
         is_free = np.where(is_crossed, size == 1, is_inside[row, column])
@@ -266,18 +266,18 @@ def _middles_inside(sides: np.ndarray, left: np.ndarray, top: np.ndarray) -> np.
     may be on either side of it.
     """
     start, end = sides[:, 0], sides[:, 1]
-    if np.abs(end - start).sum() > MAX_CROSSED * CELL:
+    if np.abs(end - start).sum() > MAX_CROSSED * CELL_M:
         raise ValueError(TOO_LONG)
     (x, y), (to_x, to_y) = start.T, end.T
     first, last = (
-        np.clip(np.ceil((each - top[0]) / CELL - 0.5), 0, len(top)).astype(int)
+        np.clip(np.ceil((each - top[0]) / CELL_M - 0.5), 0, len(top)).astype(int)
         for each in (np.minimum(y, to_y), np.maximum(y, to_y))
     )
     rows = last - first
     side = np.repeat(np.arange(len(y)), rows)
     row = np.arange(len(side)) - np.repeat(np.cumsum(rows) - rows, rows) + first[side]
-    share = (top[0] + CELL * (row + 0.5) - y[side]) / (to_y - y)[side]
-    column = np.ceil((x[side] + share * (to_x - x)[side] - left[0]) / CELL - 0.5).astype(int)
+    share = (top[0] + CELL_M * (row + 0.5) - y[side]) / (to_y - y)[side]
+    column = np.ceil((x[side] + share * (to_x - x)[side] - left[0]) / CELL_M - 0.5).astype(int)
     crossings = np.zeros((len(top), len(left) + 1), np.uint8)
     np.add.at(crossings, (row, np.clip(column, 0, len(left))), 1)
     return (np.cumsum(crossings, 1, np.uint8)[:, :-1] & 1).astype(bool)

@@ -9,8 +9,8 @@ import msgspec
 from vitruvius.logic.errors import RequestError
 from vitruvius.logic.house.boxes import WALLS, is_on_wall
 from vitruvius.logic.house.house import House
-from vitruvius.logic.house.kinds import Kind
 from vitruvius.logic.house.star import Star, StarRoom
+from vitruvius.logic.house.topology_kinds import Kind
 
 SIDES = ("north", "east", "south", "west")
 

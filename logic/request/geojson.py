@@ -14,11 +14,11 @@ from vitruvius.logic.house.parts import Room
 from vitruvius.logic.readers.combined import divided
 from vitruvius.logic.readers.features import inner_wall
 from vitruvius.logic.readers.geojson import read_geojson
+from vitruvius.logic.readers.length_units import metres_to
 from vitruvius.logic.readers.regular import Opening, Regular, bounds_of, passed_over, regular, unlike
 from vitruvius.logic.readers.sketch import Sketch
 from vitruvius.logic.readers.types import OUTSIDE, kind_of
-from vitruvius.logic.readers.units import metres_to
-from vitruvius.logic.shapes.lines import FACING, MOST_WALL
+from vitruvius.logic.shapes.lines import MAX_WALL_M, MIN_FACING_M
 
 LEAST_WALL = 0.04
 """Least thickness of a wall, metres. Rooms nearer to each other are meant to touch."""
@@ -111,7 +111,7 @@ def _gap(one: Box, other: Box) -> float | None:
     for k in (0, 1):
         off = max(one[k], other[k]) - min(one[k + 2], other[k + 2])
         along = min(one[3 - k], other[3 - k]) - max(one[1 - k], other[1 - k])
-        if abs(off) <= MOST_WALL and along > FACING:
+        if abs(off) <= MAX_WALL_M and along > MIN_FACING_M:
             return off
     return None
 

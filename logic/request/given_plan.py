@@ -22,7 +22,7 @@ from vitruvius.logic.errors import HouseFileError, PlanWarning, RequestError
 from vitruvius.logic.files.house_files import load
 from vitruvius.logic.house.boxes import TOLERANCE, Box, overlap
 from vitruvius.logic.house.house import House
-from vitruvius.logic.house.parts import FARTHEST, MOST_ROOMS, OUTSIDE, Room
+from vitruvius.logic.house.parts import MAX_COORDINATE_M, MOST_ROOMS, OUTSIDE, Room
 from vitruvius.logic.opener import STANDARD, content_of
 from vitruvius.logic.readers import sketch
 from vitruvius.logic.readers.combined import divided
@@ -34,7 +34,7 @@ from vitruvius.logic.request.openings import placed
 from vitruvius.logic.request.other_formats import READ, named
 from vitruvius.logic.request.own_plan import OwnPlan
 from vitruvius.logic.request.snapping import snapped
-from vitruvius.logic.shapes.lines import MOST_WALL
+from vitruvius.logic.shapes.lines import MAX_WALL_M
 from vitruvius.logic.spelling import numbered
 
 MOST_BYTES = 1 << 24
@@ -49,7 +49,7 @@ MORE_SNAP = 0.02, 0.05, 0.1
 HINT = "draw all rooms to the centre lines of their walls, or all from wall to wall"
 
 HINT_OF_WALLS = (
-    f"walls between rooms are {MOST_WALL:g} m thick at most: draw what lies there as part of a room"
+    f"walls between rooms are {MAX_WALL_M:g} m thick at most: draw what lies there as part of a room"
 )
 
 
@@ -215,10 +215,10 @@ def _require_rooms(rooms: Sequence[Room]) -> None:
     for room in rooms:
         if names.count(room.name) > 1 or room.name == OUTSIDE:
             raise RequestError(f"plan: two rooms are named {room.name!r}: give each room its own name")
-        if not max(map(abs, room.box)) <= FARTHEST or min(room.width, room.height) < TOLERANCE:
+        if not max(map(abs, room.box)) <= MAX_COORDINATE_M or min(room.width, room.height) < TOLERANCE:
             size = f"{room.width:g} by {room.height:g} m at x {room.x:g}, y {room.y:g}"
             raise RequestError(
-                f"plan: {room.name} is {size}: a room has a size, within {FARTHEST:g} m of (0, 0)"
+                f"plan: {room.name} is {size}: a room has a size, within {MAX_COORDINATE_M:g} m of (0, 0)"
             )
 
 

@@ -10,9 +10,9 @@ from vitruvius.logic.house.parts import OUTSIDE, Door, Window
 from vitruvius.logic.readers.regular import Opening, Regular
 from vitruvius.logic.readers.types import table
 from vitruvius.logic.request.own_plan import OwnPlan, Wall
-from vitruvius.logic.shapes.lines import MOST_WALL
+from vitruvius.logic.shapes.lines import MAX_WALL_M
 
-REACH = MOST_WALL / 2 + 0.15
+REACH = MAX_WALL_M / 2 + 0.15
 """Greatest distance from a wall at which its doors and windows may be drawn, metres."""
 
 ROUND = 0.05

@@ -11,16 +11,16 @@ from shapely import Geometry, Polygon
 
 from vitruvius.logic.errors import RequestError
 
-CHAMFER = 0.5
+MAX_CHAMFER_M = 0.5
 """Greatest length of a diagonal wall that becomes a corner, metres."""
 
 MOST_CORNERS = 200
 """Number of corners of a room, including steps that are noise."""
 
-GRID = 1e-4
+GRID_M = 1e-4
 """Rounding of the places of walls, metres, which keeps sides along the axes."""
 
-LEAN, STRAIGHT = 0.05, 0.08
+MAX_LEAN_FRACTION, MAX_LEAN_M = 0.05, 0.08
 """Greatest lean of a wall from end to end: a fraction of its length plus noise, and metres in any case."""
 
 Point = tuple[float, float]
@@ -42,7 +42,7 @@ def squared(name: str, shape: Polygon, noise: float) -> Polygon:
     rings = [shape.exterior, *(each for each in shape.interiors if Polygon(each).area > (4 * noise) ** 2)]
     plain = [shapely.simplify(ring, 2 * noise) for ring in rings]
     shell, *holes = (_ring(name, [(x, y) for x, y, *_ in ring.coords[:-1]], noise) for ring in plain)
-    found = shapely.set_precision(Polygon(shell, holes), GRID, mode="pointwise")
+    found = shapely.set_precision(Polygon(shell, holes), GRID_M, mode="pointwise")
     if not found.is_valid or found.is_empty:
         x, y = shape.representative_point().coords[0]
         raise RequestError(
@@ -82,10 +82,12 @@ def _sides(name: str, corners: Sequence[Point], noise: float) -> list[Side]:
     found, diagonals = list[Side](), list[tuple[Point, Point]]()
     for one, other in pairwise([*corners, corners[0]]):
         x, y = abs(other[0] - one[0]), abs(other[1] - one[1])
-        if min(x, y) <= max(STRAIGHT, 2.5 * noise + LEAN * max(x, y)) and min(x, y) < 0.5 * max(x, y):
+        if min(x, y) <= max(MAX_LEAN_M, 2.5 * noise + MAX_LEAN_FRACTION * max(x, y)) and min(
+            x, y
+        ) < 0.5 * max(x, y):
             axis = int(x > y)
             found.append(Side(axis, (one[axis] + other[axis]) / 2, max(x, y)))
-        elif hypot(x, y) <= CHAMFER:
+        elif hypot(x, y) <= MAX_CHAMFER_M:
             found += [Side(0, one[0], y), Side(1, other[1], x)]
         else:
             diagonals.append((one, other))

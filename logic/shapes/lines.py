@@ -8,14 +8,14 @@ from typing import NamedTuple
 import shapely
 from shapely import Polygon
 
-MOST_WALL = 0.4
+MAX_WALL_M = 0.4
 """Greatest thickness of a wall between two rooms, metres."""
 
-OVERLAP = 0.05
+MAX_OVERLAP_M = 0.05
 """Greatest overlap of two rooms that count as side by side, metres."""
 
-THIN, FACING = 0.2, 0.1
-"""Metres: the two faces of a wall thicker than ``THIN`` must be opposite each other over ``FACING``."""
+THIN_WALL_M, MIN_FACING_M = 0.2, 0.1
+"""Metres: the two faces of a wall thicker than the first must be opposite each other over the second."""
 
 
 Places = dict[float, float]
@@ -38,7 +38,7 @@ class Face(NamedTuple):
 def common_lines(shapes: Sequence[Polygon], noise: float) -> tuple[list[tuple[Places, Places]], float]:
     """Return the new places of each room's lines in x and in y, and the median thickness of walls, metres.
 
-    Two faces at most ``MOST_WALL`` apart, with no room between them, are one wall and move to its middle.
+    Two faces at most ``MAX_WALL_M`` apart, with no room between them, are one wall and move to its middle.
     Faces within ``2 * noise`` metres of each other share a line. Outer walls get the median thickness.
     """
     walls = [_walls(shapes, axis, noise) for axis in (0, 1)]
@@ -73,8 +73,8 @@ def _walls(shapes: Sequence[Polygon], axis: int, noise: float) -> list[list[Face
     numbered = [(face, number) for number, group in enumerate(groups) for face in group]
     far, near = ([each for each in numbered if each[0].is_far == side] for side in (True, False))
     lines = [_along(axis, face.place, face.place, face) for face, _ in near]
-    back = max(2 * noise, OVERLAP)
-    reaches = [_along(axis, face.place - back, face.place + MOST_WALL, face) for face, _ in far]
+    back = max(2 * noise, MAX_OVERLAP_M)
+    reaches = [_along(axis, face.place - back, face.place + MAX_WALL_M, face) for face, _ in far]
     for which, beside in shapely.STRtree(lines).query(reaches, "dwithin", 1e-6).T if near and far else ():
         (one, its), (other, others) = far[which], near[beside]
         if its != others and _is_wall(one, other, noise) and not _between(one, other, axis, shapes, tree):
@@ -120,8 +120,8 @@ def _is_wall(one: Face, other: Face, noise: float) -> bool:
     if not one.is_far or other.is_far or one.room == other.room:
         return False
     along, apart = min(one.end, other.end) - max(one.start, other.start), other.place - one.place
-    least = FACING if apart > THIN else 2 * noise
-    return -max(2 * noise, OVERLAP) <= apart <= MOST_WALL and along > least
+    least = MIN_FACING_M if apart > THIN_WALL_M else 2 * noise
+    return -max(2 * noise, MAX_OVERLAP_M) <= apart <= MAX_WALL_M and along > least
 
 
 def _between(one: Face, other: Face, axis: int, shapes: Sequence[Polygon], tree: shapely.STRtree) -> bool:

@@ -12,9 +12,9 @@ from shapely import Geometry, Polygon
 
 from vitruvius.logic.house.parts import LONGEST_NAME, Room
 from vitruvius.logic.house.promises import PASSAGE
-from vitruvius.logic.shapes.corners import GRID, boxes, parts_of, size_of
+from vitruvius.logic.shapes.corners import GRID_M, boxes, parts_of, size_of
 
-NARROW = 0.6
+MIN_PART_M = 0.6
 """Least width of a part of a room, metres; a narrower part is a niche."""
 
 Named = Sequence[tuple[str, str, Polygon]]
@@ -87,7 +87,7 @@ def room_of(box: Polygon, name: str, kind: str, whole: str | UnsetType) -> Room:
 
 def _is_niche(part: Polygon, parts: Sequence[Polygon]) -> bool:
     west, north, east, south = part.bounds
-    return part is not parts[0] and min(east - west, south - north) < NARROW
+    return part is not parts[0] and min(east - west, south - north) < MIN_PART_M
 
 
 def _more(name: str, number: int, taken: set[str]) -> Iterator[str]:
@@ -102,7 +102,7 @@ def _more(name: str, number: int, taken: set[str]) -> Iterator[str]:
 
 def touch(one: Polygon, other: Polygon) -> bool:
     """Return True if the boxes share a wall that is wide enough to walk through."""
-    return shapely.intersection(one, other).length > NARROW
+    return shapely.intersection(one, other).length > MIN_PART_M
 
 
 def taken_up(
@@ -115,42 +115,42 @@ def taken_up(
     found = list(rooms)
     for gap in gaps(found, niches):
         free: Geometry = gap
-        beside = [room for room, box in enumerate(found) if shapely.distance(box, gap) < GRID]
+        beside = [room for room, box in enumerate(found) if shapely.distance(box, gap) < GRID_M]
         while not free.is_empty and beside:
             strips = [(_strip(found[room], side, free), room) for room in beside for side in range(4)]
             strip, room = max(strips, key=lambda each: each[0].area)
-            if strip.area < NARROW * GRID:
+            if strip.area < MIN_PART_M * GRID_M:
                 break
             say(room, strip)
             west, north, east, south = (found[room] | strip).bounds
             found[room] = shapely.box(west, north, east, south)
-            free = shapely.difference(free, strip, grid_size=GRID)
+            free = shapely.difference(free, strip, grid_size=GRID_M)
     return found
 
 
 def gaps(rooms: Sequence[Polygon], niches: Sequence[Polygon] = ()) -> list[Polygon]:
-    """Return the gaps between boxes of rooms, and the niches, that are no wider than ``NARROW``."""
-    floor = shapely.union_all(list(rooms), grid_size=GRID)
+    """Return the gaps between boxes of rooms, and the niches, that are no wider than ``MIN_PART_M``."""
+    floor = shapely.union_all(list(rooms), grid_size=GRID_M)
     hulls = shapely.union_all([Polygon(each.exterior) for each in parts_of(floor)])
     closed = hulls.buffer(PASSAGE / 2, join_style="mitre").buffer(-PASSAGE / 2, join_style="mitre")
-    free = parts_of(shapely.difference(shapely.union_all([closed, *niches]), floor, grid_size=GRID))
-    return [each for each in free if each.buffer(-NARROW / 2 - GRID, join_style="mitre").is_empty]
+    free = parts_of(shapely.difference(shapely.union_all([closed, *niches]), floor, grid_size=GRID_M))
+    return [each for each in free if each.buffer(-MIN_PART_M / 2 - GRID_M, join_style="mitre").is_empty]
 
 
 def _strip(room: Polygon, side: int, gap: Geometry) -> Polygon:
     """Return the largest box in a gap along a whole side of a room (west, north, east or south)."""
-    if shapely.distance(room, gap) > GRID:
+    if shapely.distance(room, gap) > GRID_M:
         return Polygon()
     edges = [*room.bounds]
     start, outward = edges[side], (-1 if side < 2 else 1)
     places = {float(each) for each in shapely.get_coordinates(gap)[:, side % 2]}
     best = Polygon()
     for place in sorted(places, key=lambda place: outward * place):
-        if outward * (place - start) > GRID:
+        if outward * (place - start) > GRID_M:
             edges[side], edges[(side + 2) % 4] = place, start
             west, north, east, south = edges
             strip = shapely.box(west, north, east, south)
-            if shapely.difference(strip, gap, grid_size=GRID).area > GRID * strip.length:
+            if shapely.difference(strip, gap, grid_size=GRID_M).area > GRID_M * strip.length:
                 break
             best = strip
     return best

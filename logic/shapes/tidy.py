@@ -7,42 +7,42 @@ import shapely
 from shapely import Polygon
 
 from vitruvius.logic.house.boxes import Box
-from vitruvius.logic.shapes.corners import GRID, parts_of, size_of, squared
-from vitruvius.logic.shapes.lines import MOST_WALL
+from vitruvius.logic.shapes.corners import GRID_M, parts_of, size_of, squared
+from vitruvius.logic.shapes.lines import MAX_WALL_M
 
-SLIVER = 0.2
+MAX_SLIVER_M = 0.2
 """Greatest width of a sliver, metres; narrower floor is removed."""
 
-SCRAP = 0.5
+MAX_SCRAP_M2 = 0.5
 """Area, square metres, up to which a part is removed that only slivers join to the rest of its room."""
 
-TOUCHING = 0.06
+MAX_CONTACT_GAP_M = 0.06
 """Greatest distance of two rooms without a wall between them, metres."""
 
 
 def without_slivers(shape: Polygon) -> list[Polygon]:
-    """Return the parts of a room after strips narrower than ``SLIVER`` are removed."""
-    wide = shape.buffer(-SLIVER / 2, join_style="mitre").buffer(SLIVER / 2, join_style="mitre")
-    if shapely.difference(shape, wide).area < SLIVER**2:
+    """Return the parts of a room after strips narrower than ``MAX_SLIVER_M`` are removed."""
+    wide = shape.buffer(-MAX_SLIVER_M / 2, join_style="mitre").buffer(MAX_SLIVER_M / 2, join_style="mitre")
+    if shapely.difference(shape, wide).area < MAX_SLIVER_M**2:
         return [shape]
-    return [part for part in parts_of(shape & wide) if part.area > SCRAP]
+    return [part for part in parts_of(shape & wide) if part.area > MAX_SCRAP_M2]
 
 
 def without_stubs(
     names: Sequence[str], shapes: Sequence[Polygon], noise: float, notes: list[str]
 ) -> list[Polygon]:
     """Remove walls that project into rooms along the axes: such a wall has both faces in one room."""
-    found, half = list(shapes), MOST_WALL / 2
+    found, half = list(shapes), MAX_WALL_M / 2
     tree = shapely.STRtree(found)
     for place, shape in enumerate(shapes):
         closed = shape.buffer(half, join_style="mitre").buffer(-half, join_style="mitre")
         near = [shapes[other] for other in tree.query(closed) if other != place]
         stubs = [
             each
-            for each in parts_of(shapely.difference(closed, shape, grid_size=GRID))
+            for each in parts_of(shapely.difference(closed, shape, grid_size=GRID_M))
             if each.area > 1e-3 and not any(shapely.intersection(each, other).area > 1e-3 for other in near)
         ]
-        filled = shapely.union_all([shape, *stubs], grid_size=GRID)
+        filled = shapely.union_all([shape, *stubs], grid_size=GRID_M)
         if stubs and isinstance(filled, Polygon):
             found[place] = squared(names[place], filled, noise)
             longest = max(stubs, key=lambda each: each.length)
@@ -53,11 +53,11 @@ def without_stubs(
 def open_borders(shapes: Sequence[Polygon]) -> Iterator[Box]:
     """Yield the longest straight border of each pair of rooms that have no wall between them."""
     tree = shapely.STRtree(list(shapes))
-    for one, other in tree.query(list(shapes), "dwithin", TOUCHING).T.tolist():
+    for one, other in tree.query(list(shapes), "dwithin", MAX_CONTACT_GAP_M).T.tolist():
         if one < other:
-            beside = shapely.buffer(shapes[other], TOUCHING, join_style="mitre")
+            beside = shapely.buffer(shapes[other], MAX_CONTACT_GAP_M, join_style="mitre")
             border = shapely.line_merge(shapes[one].boundary & beside)
-            lines = shapely.simplify(shapely.get_parts(border), GRID)
+            lines = shapely.simplify(shapely.get_parts(border), GRID_M)
             sides = [side for line in lines for side in _sides(line)]
             if sides:
                 yield max(sides, key=lambda side: side[2] - side[0] + side[3] - side[1])

@@ -24,7 +24,7 @@ from vitruvius.logic.why.answer import Length, Why
 from vitruvius.logic.why.support import Support
 from vitruvius.logic.why.witness import Lengths, Witness
 
-MOST = 5
+MAX_OTHER_CHOICES = 5
 """Largest number of other choices that an alternative lists as necessary changes."""
 
 
@@ -225,7 +225,7 @@ class PlanWitness(Witness):
         """Search for alternatives."""
         relaxed, statements = self._maker.feasibility.house(self._request, laws=True)
         question = self._maker.feasibility.of_rooms(relaxed, self._request)
-        return Search(question, statements, self._support.chosen, self._making.layout, MOST)
+        return Search(question, statements, self._support.chosen, self._making.layout, MAX_OTHER_CHOICES)
 
     @cache  # noqa: B019 (a witness is asked about one house)
     def _support_in(self, room: int) -> Support:
@@ -241,4 +241,4 @@ class PlanWitness(Witness):
         fixed = LooseRoom(how.room, [None] * len(how.room.doors))
         given = Refuted(self._house.rooms[room].name, fixed, True, {}, ())
         asked = self._maker.feasibility.furniture(self._request, how.room.type, laws=True, room=given)
-        return Search(*asked, self._support_in(room).chosen, how.layout.furniture, MOST)
+        return Search(*asked, self._support_in(room).chosen, how.layout.furniture, MAX_OTHER_CHOICES)

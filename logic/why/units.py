@@ -15,7 +15,7 @@ from vitruvius.logic.house.part_names import Part, target_in
 from vitruvius.logic.house.parts import OUTSIDE, Door
 from vitruvius.logic.why.alternatives import Search
 from vitruvius.logic.why.answer import Derivation, Length, Why
-from vitruvius.logic.why.shared_walls import MOST, PlanWitness
+from vitruvius.logic.why.shared_walls import MAX_OTHER_CHOICES, PlanWitness
 from vitruvius.logic.why.witness import Lengths
 
 OF_UNIT = ("unit", "way", "deep", "share")
@@ -41,7 +41,9 @@ class UnitWitness(PlanWitness):
         known = unit.known([atom.arguments[0] for atom in self._making.program.atoms("step", 1)])
         place = relaxed.choice(Reason(f"{self.name}: {unit}"), known[True], known[False])
         question = feasibility.of_rooms(relaxed, self._request)
-        return Search(question, [*statements, place], self._support.chosen, self._making.layout, MOST)
+        return Search(
+            question, [*statements, place], self._support.chosen, self._making.layout, MAX_OTHER_CHOICES
+        )
 
     @property
     def name(self) -> str:
@@ -158,4 +160,4 @@ class UnitsWitness(PlanWitness):
         assert feasibility
         relaxed, statements = feasibility.house(self._request, laws=True)
         question = feasibility.of_rooms(relaxed, self._request)
-        return Search(question, statements, self._support.chosen, self._making.layout, MOST)
+        return Search(question, statements, self._support.chosen, self._making.layout, MAX_OTHER_CHOICES)

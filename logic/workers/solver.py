@@ -19,7 +19,7 @@ import msgspec
 from msgspec.structs import replace
 
 from vitruvius.logic.errors import GrammarError, Killed, LimitReached, VitruviusError, from_record
-from vitruvius.logic.layout.account import GROUNDING, LAYOUT, MOST, PROOF
+from vitruvius.logic.layout.account import GROUNDING, LAYOUT, MAX_LISTED, PROOF
 from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.workers.messages import (
     Asked,
@@ -201,7 +201,7 @@ class Solver:
             return None, ways
         try:
             self._helper.arrived((Loaded, Judged))
-            while len(ways) < MOST:
+            while len(ways) < MAX_LISTED:
                 ways.append(self._helper.arrived(Eased).how)
                 self._helper.unanswered += 1
         except VitruviusError as error:

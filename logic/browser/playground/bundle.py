@@ -45,12 +45,12 @@ from vitruvius.logic.language.asp.heads import (
 from vitruvius.logic.language.asp.integers import GREATEST
 from vitruvius.logic.language.asp.statements import place
 from vitruvius.logic.language.asp.vocabulary import Signature, Words, core_words
-from vitruvius.logic.layout.conditional import ABSENT, FAR, left_out_facts
+from vitruvius.logic.layout.conditional import ABSENT, LONGEST_MM, left_out_facts
 from vitruvius.logic.layout.messages import SYNTAX
-from vitruvius.logic.layout.programs import GIVEN
+from vitruvius.logic.layout.programs import GIVEN_ROOM_CONSTANTS
 from vitruvius.logic.looks.looks import folder_looks
 from vitruvius.logic.proofs.least import MOST_LAYOUTS
-from vitruvius.logic.proofs.proof import NEAR, NEXT
+from vitruvius.logic.proofs.proof import MAX_ROOMS_AWAY, MAX_ROOMS_AWAY_IN_STARS
 from vitruvius.logic.request.counts import MOST_ROOMS
 from vitruvius.logic.request.house_request import INFERENCES
 
@@ -76,7 +76,7 @@ def bundle() -> dict[str, object]:
         "adjacent": _path(ADJACENT),
         "lengths": LENGTHS,
         "passage": PASSAGE,
-        "given": GIVEN,
+        "given": GIVEN_ROOM_CONSTANTS,
         "walls": WALLS,
         "short": {"step": STEP, "bits": BITS},
         "name": NAME.pattern,
@@ -84,10 +84,10 @@ def bundle() -> dict[str, object]:
         "mostRooms": MOST_ROOMS,
         "inferences": INFERENCES,
         "greatest": GREATEST,
-        "far": FAR,
+        "far": LONGEST_MM,
         "more": MORE,
         "mostLayouts": MOST_LAYOUTS,
-        "near": {"star": NEAR, "plans": NEXT},
+        "near": {"star": MAX_ROOMS_AWAY_IN_STARS, "plans": MAX_ROOMS_AWAY},
         "leftOut": _named(left_out_facts()),
         "looks": {name: asdict(folder_looks(SHIPPED / name)) for name in names},
         "palette": structs.asdict(PALETTES["colour"]),

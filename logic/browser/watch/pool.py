@@ -15,17 +15,17 @@ from vitruvius.logic.workers.solver import Solver
 
 Kind = TypeVar("Kind")
 
-SIZE = min(4, os.cpu_count() or 1)
+PROCESSES = min(4, os.cpu_count() or 1)
 """Number of processes that generate the houses of a sheet in parallel."""
 
-GRACE = 0.8
+GRACE_S = 0.8
 """Seconds in which a process may finish an answer that nobody waits for any more.
 
 Most answers take less, and the process is then free for the next question. After these seconds the process is
 killed, and another one has to load the rules.
 """
 
-REFILL = 3.0
+REFILL_S = 3.0
 """Seconds after which new spare processes replace those in use.
 
 Starting a process takes processor time that a sheet needs, so the start waits until the sheet is drawn.
@@ -65,7 +65,7 @@ class Spares:
         else:
             worker = Solver(self._opening)
         with contextlib.suppress(RuntimeError):  # No loop runs before the server does.
-            asyncio.get_running_loop().call_later(REFILL, self.refill)
+            asyncio.get_running_loop().call_later(REFILL_S, self.refill)
         return worker
 
     def refill(self) -> None:
@@ -75,7 +75,7 @@ class Spares:
         """
         if self._ended:
             return
-        self._ready += [Solver(self._opening) for _ in range(SIZE - len(self._ready))]
+        self._ready += [Solver(self._opening) for _ in range(PROCESSES - len(self._ready))]
 
     def end(self) -> None:
         """End all processes, and start no more."""
@@ -97,10 +97,12 @@ class Pool:
         self._opening = Open(grammar=str(directory), errors=True)
         self._spares, self._ended = spares, False
         self._busy: set[Solver] = set()
-        self._left = SIZE
+        self._left = PROCESSES
         # Or an error to raise at every question.
         self._free: asyncio.Queue[Solver | VitruviusError | Stale] = asyncio.Queue()
-        self._verdict, *others = (asyncio.ensure_future(self._open(remarks=not each)) for each in range(SIZE))
+        self._verdict, *others = (
+            asyncio.ensure_future(self._open(remarks=not each)) for each in range(PROCESSES)
+        )
         for each in (self._verdict, *others):
             each.add_done_callback(_heard)
 
@@ -128,7 +130,7 @@ class Pool:
         try:
             return await asyncio.shield(answer)
         except asyncio.CancelledError:
-            asyncio.get_running_loop().call_later(GRACE, self._hurry, worker, answer)
+            asyncio.get_running_loop().call_later(GRACE_S, self._hurry, worker, answer)
             raise
         except VitruviusError:
             if self._ended:

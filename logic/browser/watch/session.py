@@ -35,10 +35,10 @@ from vitruvius.logic.workers.messages import Explain, Explained, Judged, Lint, M
 PLAN = 300
 """Side of the square of a plan, in CSS pixels; the page scales the plan."""
 
-STEP, DEBOUNCE = 10, 200
+QUIET_MS, MAX_WAIT_MS = 10, 200
 """Time without a change after which a save is complete, and the longest wait for it, in milliseconds."""
 
-LOOK = 1000
+LOOK_MS = 1000
 """Interval at which the files are read without a reported change, in milliseconds.
 
 Not all file systems report changes.
@@ -194,14 +194,14 @@ class Session:
             place, folders = _identity(self._directory), self._folders()
             if place is None:
                 self._take()
-                await asyncio.sleep(LOOK / 1000)
+                await asyncio.sleep(LOOK_MS / 1000)
                 continue
             events = awatch(
                 *folders,
-                step=STEP,
-                debounce=DEBOUNCE,
+                step=QUIET_MS,
+                debounce=MAX_WAIT_MS,
                 recursive=False,
-                rust_timeout=LOOK,
+                rust_timeout=LOOK_MS,
                 yield_on_timeout=True,
             )
             async for _ in events:
@@ -229,7 +229,7 @@ class Session:
         own = [file for suffix in (".lp", ".pl") for file in _shown(self._directory, f"*{suffix}")]
         reading.follow(own)
         contents = {file: reading.contents[file] for file in own if file in reading.contents}
-        for file in _shown(self._directory, looks.NAME):
+        for file in _shown(self._directory, looks.FILE_NAME):
             with contextlib.suppress(OSError):  # The solver process reports what is wrong with it.
                 contents[file] = file.read_bytes()
         contents |= reading.contents

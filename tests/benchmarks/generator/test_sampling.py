@@ -17,7 +17,7 @@ from vitruvius.cli import main
 from vitruvius.logic import RequestError, count_layouts
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.grammar import find
-from vitruvius.logic.layout.program import EVERY, Program
+from vitruvius.logic.layout.program import ALL_LAYOUTS, Program
 from vitruvius.logic.placement import prolog
 
 pytestmark = pytest.mark.second_part("each study is run in small")
@@ -122,7 +122,7 @@ def test_a_sample_s_entropy_is_that_of_its_law() -> None:
 
 def test_rejection_sampling_gives_every_layout_that_the_rules_accept_equally_often(tmp_path: Path) -> None:
     found = by_rejection(coins(tmp_path), np.random.default_rng(0), 4000)
-    assert set(found) == set(every_layout(coins(tmp_path, EVERY), 60) or ())
+    assert set(found) == set(every_layout(coins(tmp_path, ALL_LAYOUTS), 60) or ())
     assert found.total() == pytest.approx(4000 * 7 / 8, rel=0.03)
     assert max(found.values()) < 1.25 * min(found.values())
 
@@ -147,7 +147,7 @@ def test_layouts_are_counted_exactly(tmp_path: Path) -> None:
 
     With no time, at most one layout is counted.
     """
-    made = coins(tmp_path, EVERY)
+    made = coins(tmp_path, ALL_LAYOUTS)
     assert list(made.count([], 60)) == [(7, True)]
     assert list(made.count([], 0)) in ([(0, False)], [(1, False)])
 
@@ -155,7 +155,7 @@ def test_layouts_are_counted_exactly(tmp_path: Path) -> None:
 def test_a_count_says_once_a_second_how_far_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A clock advances by 0.4 s with each layout."""
     monkeypatch.setattr("vitruvius.logic.layout.program.time.monotonic", iter(np.arange(0, 9, 0.4)).__next__)
-    assert list(coins(tmp_path, EVERY).count([], 60)) == [(3, None), (6, None), (7, True)]
+    assert list(coins(tmp_path, ALL_LAYOUTS).count([], 60)) == [(3, None), (6, None), (7, True)]
 
 
 def test_a_count_of_layouts_knows_the_types_and_shows_how_far_it_is(

@@ -49,7 +49,7 @@ def test_a_process_that_answers_as_it_is_told_to_end_is_asked_no_more(monkeypatc
 
     A later caller that still asked it was told that there is no house.
     """
-    monkeypatch.setattr(pools, "GRACE", 0.01)
+    monkeypatch.setattr(pools, "GRACE_S", 0.01)
     spares: Any = SimpleNamespace(take=Ready)
 
     async def again() -> tuple[Solver, list[Solver]]:
@@ -68,7 +68,7 @@ def test_a_process_that_answers_as_it_is_told_to_end_is_asked_no_more(monkeypatc
             await asyncio.sleep(0.01)
         answered.set()
         await asyncio.sleep(0.1)
-        asked = [await pool.ask(lambda worker: worker) for _ in range(3 * pools.SIZE)]
+        asked = [await pool.ask(lambda worker: worker) for _ in range(3 * pools.PROCESSES)]
         return first[0], asked
 
     first, asked = asyncio.run(again())

@@ -26,7 +26,7 @@ from tests.browsing import answered_under_the_finger, box, cut_on_paper, finding
 from tests.programs import PATIENCE, finished
 from vitruvius.cli import main
 from vitruvius.logic import generate
-from vitruvius.logic.browser.watch.pool import SIZE, Pool, Spares, Stale
+from vitruvius.logic.browser.watch.pool import PROCESSES, Pool, Spares, Stale
 from vitruvius.logic.drawing.canvas import svg
 from vitruvius.logic.drawing.draw import plan
 from vitruvius.logic.drawing.palettes import style
@@ -575,7 +575,7 @@ def test_a_question_that_nobody_waits_for_gives_its_process_back() -> None:
         slow = CountLayouts(request=HouseRequest(9), share=1e5)
         counts = [
             asyncio.ensure_future(pool.ask(lambda worker: list(worker.series(slow, Counted, 1e5, "late"))))
-            for _ in range(2 * SIZE)
+            for _ in range(2 * PROCESSES)
         ]
         await asyncio.sleep(0.1)
         for count in counts:

@@ -25,9 +25,9 @@ from tests.sample_houses import PAPER, changed_star
 from vitruvius.logic import Door, House, Piece, StarRoom, check, load
 from vitruvius.logic.checking.check import CHECKS, IN_A_ROOM, Promises
 from vitruvius.logic.house.boxes import distance
-from vitruvius.logic.house.kinds import Kind, kind_of
 from vitruvius.logic.house.part_names import doors_by_name
 from vitruvius.logic.house.parts import ORIGINAL, Provenance
+from vitruvius.logic.house.topology_kinds import Kind, kind_of
 
 EXAMPLE = Path(__file__).parents[2] / "fixtures" / "example1.json"
 BEDROOM, BATHROOM, KITCHEN, HALL = range(4)

@@ -38,7 +38,7 @@ from vitruvius.logic import cluster
 from vitruvius.logic.grammar import find
 
 warnings.showwarning = lambda message, *_: print(message)
-cluster.RETRIES = 1
+cluster.MAX_RETRIES = 1
 with cluster.connected(sys.argv[1]) as nodes:
     print(nodes.map(abs, range(-40, 0)) == [*range(40, 0, -1)])
     nodes.map(warnings.warn, ["twice"] * 2)

@@ -39,9 +39,17 @@ from vitruvius.logic.drawing.canvas import (
 )
 from vitruvius.logic.drawing.door_leaves import Leaf, door_leaves
 from vitruvius.logic.drawing.draw import contact_sheet, contact_sheet_svg, draw, plan, plan_png, plan_svg
-from vitruvius.logic.drawing.frame import BEYOND, INNER, OUTER, Frame, drawn_extent, extent, grown
+from vitruvius.logic.drawing.frame import (
+    BEYOND_OUTLINE_M,
+    INNER_WALL_M,
+    OUTER_WALL_M,
+    Frame,
+    drawn_extent,
+    extent,
+    grown,
+)
 from vitruvius.logic.drawing.furniture import piece_shapes
-from vitruvius.logic.drawing.labels import LEAST, abbreviations
+from vitruvius.logic.drawing.labels import MIN_FONT_PX, abbreviations
 from vitruvius.logic.drawing.palettes import Inks, style
 from vitruvius.logic.drawing.plan import boxes_of, house_shapes, opening, wall_boxes
 from vitruvius.logic.house.boxes import distance, excess, overlap
@@ -238,7 +246,7 @@ def test_a_tip_points_in_at_an_entrance_and_the_legend_says_so() -> None:
     )
     (entrance,) = (door for door in house.doors if door.is_entrance)
     (left_x, left_y), (x, y), (right_x, right_y) = tip.points
-    outside = block(drawing, "R0").box[1] - BEYOND * scale
+    outside = block(drawing, "R0").box[1] - BEYOND_OUTLINE_M * scale
     assert left_y == right_y < y < outside  # south, into the hall
     assert left_x < x < right_x
     assert x == pytest.approx(block(drawing, "R0").box[0] + scale * (middle(entrance)[0] - house.rooms[0].x))
@@ -263,7 +271,7 @@ def test_a_garden_door_has_no_tip() -> None:
 @pytest.mark.parametrize("house", [HOUSE, *PLANS.values()])
 def test_all_walls_have_one_face_indoors_and_outer_ones_are_thicker_outside(house: House) -> None:
     """Therefore an outer wall that continues as an inner one has no step at a corner of rooms."""
-    picture, half = Picture(house), INNER / 2
+    picture, half = Picture(house), INNER_WALL_M / 2
     boxes = [room.box for room in house.rooms]
     openings = [each.box for each in (*house.doors, *house.windows)]
     tried = {True: 0, False: 0}
@@ -287,7 +295,7 @@ def test_all_walls_have_one_face_indoors_and_outer_ones_are_thicker_outside(hous
             inner = all(sides)
             tried[inner] += 1
             for side, indoors in zip((-1, 1), sides, strict=True):
-                reach = half if indoors else OUTER - half
+                reach = half if indoors else OUTER_WALL_M - half
                 near = [(by, True) for by in ([0.6 * reach] if reach else [])] + [(reach + 0.02, False)]
                 for by, is_wall in near:
                     shown = picture.shows(INKS.wall, *point(side * by))
@@ -310,7 +318,7 @@ def test_windows_and_entrances_are_as_wide_as_they_are_and_as_deep_as_the_outer_
     for part, segment in openings:
         left, top, right, bottom = block(drawing, part).box
         sides = sorted([(right - left) / scale, (bottom - top) / scale])
-        assert sides == pytest.approx(sorted([OUTER, segment.length]))
+        assert sides == pytest.approx(sorted([OUTER_WALL_M, segment.length]))
 
 
 @pytest.mark.parametrize(
@@ -559,7 +567,7 @@ def test_houses_of_up_to_128_rooms_are_drawn_in_both_formats_with_every_name_bet
         if word.text in {*short, *short.values()} and word.anchor == "middle":
             half = text_width(word.text, word.size) / 2
             box = word.at[0] - half, word.at[1] - word.size / 2, word.at[0] + half, word.at[1] + word.size / 2
-            assert word.size >= LEAST
+            assert word.size >= MIN_FONT_PX
             assert any(excess(box, floor) <= 0 for floor in floors)
     named = {word.text for word in flat(drawing.shapes) if isinstance(word, Text) and word.anchor == "middle"}
     keyed = {

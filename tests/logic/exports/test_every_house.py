@@ -26,7 +26,7 @@ from tests.sample_houses import ONE_ROOM, drawn
 from tests.thick import thickened
 from vitruvius.logic import Door, FreeWall, House, Piece, RequestError, Room, Window, load
 from vitruvius.logic.exports import FORMATS, export
-from vitruvius.logic.exports.mjcf import THIN
+from vitruvius.logic.exports.mjcf import SEEN_THICKNESS_M
 from vitruvius.logic.exports.solids import Solid, solids
 from vitruvius.logic.house.parts import OUTSIDE, Provenance
 from vitruvius.logic.house.promises import Promises
@@ -161,7 +161,7 @@ def is_mjcf(house: House, path: Path) -> None:
     model = mujoco.MjModel.from_xml_path(str(path))
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    for each in solids(house, THIN):
+    for each in solids(house, SEEN_THICKNESS_M):
         place, axes = data.geom(each.name).xpos, data.geom(each.name).xmat.reshape(3, 3)
         require_filled(each, place + CORNERS * model.geom(each.name).size @ axes.T)
     assert data.ncon == 0

@@ -12,7 +12,7 @@ import pytest
 from tests.sample_houses import RANDOM, example
 from vitruvius.agent.banks import benchmark
 from vitruvius.logic import FreeWall, House, Room
-from vitruvius.logic.exports.mjcf import EYE, to_mjcf
+from vitruvius.logic.exports.mjcf import EYE_HEIGHT_M, to_mjcf
 from vitruvius.logic.grammar import SHIPPED, shipped
 from vitruvius.logic.looks.looks import folder_looks
 from vitruvius.sim import HouseVectorEnv
@@ -80,4 +80,4 @@ def test_the_robot_starts_free_drives_and_is_stopped_by_walls(house: House) -> N
 
 def test_range_finders_are_lower_than_all_furniture() -> None:
     for grammar in shipped():
-        assert min(folder_looks(SHIPPED / grammar).heights.values()) > EYE
+        assert min(folder_looks(SHIPPED / grammar).heights.values()) > EYE_HEIGHT_M

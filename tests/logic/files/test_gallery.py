@@ -8,7 +8,7 @@ from IPython.core.formatters import DisplayFormatter
 
 from tests.plans import PLANS
 from vitruvius.logic import Houses, load, save
-from vitruvius.logic.files.gallery import SHOWN
+from vitruvius.logic.files.gallery import MAX_SHOWN
 
 HOUSES = [*PLANS.values()]
 
@@ -30,9 +30,9 @@ def test_a_list_of_houses_is_shown_as_their_plans_with_their_indices() -> None:
 
 
 def test_of_a_long_list_the_first_houses_are_shown_and_it_says_so() -> None:
-    shown = Houses(HOUSES[:1] * (SHOWN + 3))._repr_html_()
-    assert len(re.findall("<svg", shown)) == SHOWN
-    assert f"{SHOWN + 3} houses, the first {SHOWN} shown" in shown
+    shown = Houses(HOUSES[:1] * (MAX_SHOWN + 3))._repr_html_()
+    assert len(re.findall("<svg", shown)) == MAX_SHOWN
+    assert f"{MAX_SHOWN + 3} houses, the first {MAX_SHOWN} shown" in shown
     assert "0 houses" in Houses()._repr_html_()
 
 

@@ -15,7 +15,7 @@ from vitruvius.logic.house.house import House
 from vitruvius.logic.language.linter import all_warnings
 from vitruvius.logic.layout import program
 from vitruvius.logic.layout.program import Program, TooMany, of_one_house
-from vitruvius.logic.layout.programs import CROWD, crowded
+from vitruvius.logic.layout.programs import MIN_CROWD_PIECES, crowded
 from vitruvius.logic.layout.relaxed import Relaxed, Statement
 from vitruvius.logic.proofs.answer import house_or_proof
 from vitruvius.logic.request.house_request import HouseRequest
@@ -72,9 +72,9 @@ def test_a_house_of_crowded_rooms_depends_on_no_house_before_it(tmp_path: Path) 
 @pytest.mark.parametrize(
     ("facts", "types"),
     [
-        ([("desk", 0, CROWD)], {"hall"}),
-        ([("desk", 1, CROWD - 1)], set[str]()),
-        ([("desk", 2, 2), ("sofa", CROWD - 2, CROWD - 2)], {"hall"}),
+        ([("desk", 0, MIN_CROWD_PIECES)], {"hall"}),
+        ([("desk", 1, MIN_CROWD_PIECES - 1)], set[str]()),
+        ([("desk", 2, 2), ("sofa", MIN_CROWD_PIECES - 2, MIN_CROWD_PIECES - 2)], {"hall"}),
     ],
 )
 def test_a_type_is_crowded_by_many_pieces_of_a_kind_or_many_that_it_needs(
@@ -109,7 +109,7 @@ def places(folder: Path, pieces: int, bounded: bool = True) -> Program:
 def test_a_bounded_program_ends_its_searches_undecided(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(program, "BOUNDS", (10, 20))
+    monkeypatch.setattr(program, "BOUNDED_CONFLICTS", (10, 20))
     hard = places(tmp_path, 9)
     with pytest.raises(TooMany):
         hard.sample(np.random.default_rng(0))

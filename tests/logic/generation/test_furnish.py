@@ -18,7 +18,7 @@ from vitruvius.logic.house.boxes import TOLERANCE
 from vitruvius.logic.house.boxes import overlap as overlapping
 from vitruvius.logic.house.parts import Piece, Rect, pieces_of
 from vitruvius.logic.layout.program import Program
-from vitruvius.logic.layout.programs import GIVEN
+from vitruvius.logic.layout.programs import GIVEN_ROOM_CONSTANTS
 from vitruvius.logic.layout.terms import parts as terms_of
 from vitruvius.logic.request.house_request import HouseRequest
 
@@ -233,7 +233,7 @@ def without_capacity(builder: Builder, type_: str, doorways: Sequence[Symbol]) -
         if fact.name != "reach"
     ]
     parts = [("room", []), ("plan", []), *terms_of([*facts, *doorways])]
-    return Program(builder.grammar.asp, {"this_room": type_, **GIVEN}, parts)
+    return Program(builder.grammar.asp, {"this_room": type_, **GIVEN_ROOM_CONSTANTS}, parts)
 
 
 def others(program: Program, furniture: Sequence[Symbol]) -> list[Symbol]:

@@ -15,7 +15,7 @@ from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.grammar import SHIPPED, find
 from vitruvius.logic.house.promises import Promises
 from vitruvius.logic.language.loaded import LoadedGrammar
-from vitruvius.logic.layout.account import BY_AREA, EASE
+from vitruvius.logic.layout.account import BY_AREA, REMEDIES
 from vitruvius.logic.proofs.answer import house_or_proof
 from vitruvius.logic.request.given_plan import read_plan
 from vitruvius.logic.request.house_request import HouseRequest
@@ -204,7 +204,7 @@ def test_a_limit_names_the_area_of_a_star_that_is_nearly_too_small(
         builder.house(HouseRequest(4), 0, 0)
     first, *_ = str(error.value).partition("Most were refuted by\n")[2].split("\n")
     assert first.endswith("area.pl:1:1: house_area(40.0, 41.0).")
-    for stage in EASE:
+    for stage in REMEDIES:
         builder.account.begin()
         builder.account.at(stage, "a house")
         assert ("house_area/2" in str(builder.account)) == (stage in BY_AREA)

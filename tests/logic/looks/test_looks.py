@@ -18,7 +18,7 @@ from vitruvius.logic.drawing.draw import draw, plan
 from vitruvius.logic.drawing.palettes import PALETTES, Palette, style
 from vitruvius.logic.grammar import SHIPPED, shipped
 from vitruvius.logic.house.parts import ORIGINAL, Provenance
-from vitruvius.logic.looks.looks import DEFAULT, READABLE, contrast, folder_looks, looks_of
+from vitruvius.logic.looks.looks import DEFAULT, MIN_CONTRAST, contrast, folder_looks, looks_of
 
 APART = 15
 """Least difference of colours for the colour-blind: CIE 1976, of which 2.3 is just visible."""
@@ -143,7 +143,7 @@ def test_what_is_no_file_of_looks_is_not_read(tmp_path: Path) -> None:
 @pytest.mark.parametrize("grammar", shipped())
 def test_names_are_readable_on_every_floor_of_a_shipped_grammar(grammar: str) -> None:
     assert all(
-        contrast(colour, PALETTES["colour"].ink) >= READABLE
+        contrast(colour, PALETTES["colour"].ink) >= MIN_CONTRAST
         for colour in folder_looks(SHIPPED / grammar).rooms.values()
     )
 
@@ -197,8 +197,8 @@ def test_greys_differ_in_lightness_and_words_are_readable_on_every_floor() -> No
     for one, other in combinations(PALETTES["grey"].floors, 2):
         assert abs(lab(one)[0] - lab(other)[0]) >= GREYS_APART
     for palette in PALETTES.values():
-        assert all(contrast(floor, palette.ink) >= READABLE for floor in palette.floors)
-        assert contrast(palette.paper, palette.ink) >= READABLE
+        assert all(contrast(floor, palette.ink) >= MIN_CONTRAST for floor in palette.floors)
+        assert contrast(palette.paper, palette.ink) >= MIN_CONTRAST
     grey = PALETTES["grey"]
     texts = [
         getattr(grey, name) for name in ("ink", "paper", "wall", "faint", "edge", "wood", "mark", "pattern")
@@ -226,7 +226,7 @@ def test_colours_of_new_types_differ_from_all_others_of_a_drawing_and_are_readab
         look = style([house])
         for new in names:
             colour = look.fill(new).colour
-            assert contrast(colour, PALETTES["colour"].ink) >= READABLE
+            assert contrast(colour, PALETTES["colour"].ink) >= MIN_CONTRAST
             for other in {*types} - {new}:
                 assert np.linalg.norm(lab(colour) - lab(look.fill(other).colour)) >= TOLD_APART
 

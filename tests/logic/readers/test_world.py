@@ -24,7 +24,7 @@ from vitruvius.info.recognise import recognised
 from vitruvius.logic import House, HouseFileError, PlanWarning, load
 from vitruvius.logic.exports.geojson import to_geojson
 from vitruvius.logic.house.parts import MOST_WALLS
-from vitruvius.logic.readers.world import CELL, _free
+from vitruvius.logic.readers.world import CELL_M, _free
 from vitruvius.sim import DEFAULT, HouseVectorEnv
 
 Ring = Sequence[tuple[float, float]]
@@ -213,12 +213,14 @@ def test_cells_beside_many_walls_are_found_soon() -> None:
     teeth = [(0.1 * k + x, y) for k in range(2000) for x, y in ((0, 5), (0, 11), (0.05, 11), (0.05, 5))]
     inside = shapely.Polygon([(0, 0), *teeth, (200, 5), (200, 0)])
     start = process_time()
-    free = _free(inside, CELL * np.arange(2000), CELL * np.arange(110))
+    free = _free(inside, CELL_M * np.arange(2000), CELL_M * np.arange(110))
     assert process_time() - start < 4
     assert free.all()
     with pytest.raises(ValueError, match="cross more than a million cells"):
         _free(
-            shapely.transform(inside, lambda corners: corners * 9), CELL * np.arange(9), CELL * np.arange(9)
+            shapely.transform(inside, lambda corners: corners * 9),
+            CELL_M * np.arange(9),
+            CELL_M * np.arange(9),
         )
 
 
@@ -226,9 +228,9 @@ def test_cells_are_found_block_by_block_as_one_by_one() -> None:
     inside = shapely.union_all(
         [shapely.Point(3, 4).buffer(3), shapely.box(5, 0, 21, 7) - shapely.box(9, 1, 12, 6)]
     )
-    left, top = 0.03 + CELL * np.arange(211), -0.02 + CELL * np.arange(75)
+    left, top = 0.03 + CELL_M * np.arange(211), -0.02 + CELL_M * np.arange(75)
     west, north = np.meshgrid(left, top)
-    one_by_one = shapely.intersects(inside, shapely.box(west, north, west + CELL, north + CELL))
+    one_by_one = shapely.intersects(inside, shapely.box(west, north, west + CELL_M, north + CELL_M))
     np.testing.assert_array_equal(_free(inside, left, top), one_by_one)
 
 

@@ -14,7 +14,7 @@ from vitruvius.logic.errors import RequestError
 UNITS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "in": 0.0254}
 """Metres per unit."""
 
-MOST = 1e8
+MAX_METRES_PER_UNIT = 1e8
 """Greatest number of metres per unit."""
 
 
@@ -36,7 +36,7 @@ def metres_to(unit: str) -> float:
         metres = float(unit)
     except ValueError:
         metres = 0.0
-    if not 0 < metres < MOST:
+    if not 0 < metres < MAX_METRES_PER_UNIT:
         raise RequestError(
             f"plan unit {unit}: give one of {', '.join(UNITS)}, or metres per unit, as in 0.02"
         )
