@@ -190,7 +190,7 @@ class Episodes(Observing):
                 )
                 for k, overlay in ti.static(enumerate(self.overlays)):
                     if met[k] >= 0:
-                        bumped = ti.static(overlay.KIND)
+                        bumped = overlay.KIND
         return bumped
 
     @ti.func
