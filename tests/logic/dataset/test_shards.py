@@ -122,7 +122,7 @@ def test_a_shard_that_verifies_is_skipped_and_one_that_is_gone_is_made_again(
 ) -> None:
     before = {path: path.stat().st_mtime_ns for path in copy.rglob("*") if path.is_file()}
     assert made(copy) == 0
-    assert "0 shards of 5 made" in capsys.readouterr().err
+    assert "0 shards of 5 generated" in capsys.readouterr().err
     assert before == {path: path.stat().st_mtime_ns for path in copy.rglob("*") if path.is_file()}
     (copy / "data" / "train-00001-of-00003.parquet").unlink()
     (copy / "manifest.json").unlink()

@@ -115,7 +115,7 @@ def test_a_plan_of_resplan_is_read_as_python_has_it(homes: list[House], tmp_path
     plan = read_plan(record)
     assert plan == written(tmp_path, json.dumps(record, default=mapping).encode())
     unknown = {key: value for key, value in record.items() if key != "area"}
-    with pytest.raises(RequestError, match=r"longer than .* say --plan-unit"):
+    with pytest.raises(RequestError, match=r"longer than .* give --plan-unit"):
         read_plan(unknown)
     metres = (record["area"] / record["inner"].area) ** 0.5
     assert read_plan(unknown, unit=str(metres)) == plan
@@ -276,7 +276,7 @@ def test_a_garden_door_is_read_beside_the_entrance(format: str, homes: list[Hous
 
 
 def test_a_word_that_no_table_has_is_a_room_of_any_type(tmp_path: Path) -> None:
-    with pytest.warns(PlanWarning, match="words of no known type, so these rooms may have any: Ballroom"):
+    with pytest.warns(PlanWarning, match="words of no known type, so these rooms may have any type: Ballroom"):
         plan = written(tmp_path, svg(("LivingRoom", LIVING), ("Ballroom", HALL)))
     assert [room.type for room in plan.rooms] == ["living", ""]
 
