@@ -135,7 +135,7 @@ def test_of_houses_that_an_agent_learnt_in_it_is_warned_with_their_number(tmp_pa
     learnt_in = frozenset(map(house_key, HOUSES[1:]))
     network = network_of(PQNConfig())
     checkpoint.save(Checkpoint(network, PQNConfig(), 0, "mine", "none", learnt_in=learnt_in), path)
-    out, said = tmp_path / "out", "mine: 2 of the 3 houses here are houses that it learnt in"
+    out, said = tmp_path / "out", "mine: 2 of the 3 houses here are houses that it was trained on"
     Evaluate((path,), tmp_path / "houses.jsonl", targets=("main",), out=out).run()
     assert f"warning: {said}: its score is not for unseen houses\n" in capsys.readouterr().err
     assert json.loads((out / "evaluation.json").read_text())["learnt_in"] == {"mine": 2}

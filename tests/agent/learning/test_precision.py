@@ -14,7 +14,7 @@ TRAPPED = "import os, signal; os.kill(os.getpid(), signal.SIGILL)"
 
 def test_a_precision_that_would_end_the_process_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(precision, "TRIAL", TRAPPED)
-    with pytest.raises(RequestError, match=r"precision medium: .*AMX.* Give highest"):
+    with pytest.raises(RequestError, match=r"precision medium: .*AMX.* Use precision highest"):
         precision.set_precision("medium")
     assert torch.get_float32_matmul_precision() == "highest"
 

@@ -101,7 +101,7 @@ def test_what_is_no_brief_is_said_in_words_and_nothing_is_drawn(editor: Page) ->
     ):
         editor.get_by_label(label).fill(text)
         expect(editor.locator("#brief-wrong")).to_contain_text(words)
-        expect(editor.locator("#status")).to_contain_text("Nothing is drawn")
+        expect(editor.locator("#status")).to_contain_text("No houses are drawn")
         editor.get_by_label(label).fill("" if "Area" in label else "Room 1")
         expect(editor.locator("#brief-wrong")).to_have_text("")
         drawn(editor, 2)
@@ -123,7 +123,7 @@ def test_an_address_that_holds_no_brief_is_said_to_hold_none(server: Watched, pa
     page.goto(f"{server.address}#rooms=2&seed=0&count=2&size=260&brief=%7B%22rooms%22%3A3%7D")
     expect(page.locator("#brief-wrong")).to_contain_text("this is no JSON of a brief")
     expect(page.locator("#brief-json")).to_have_value('{"rooms":3}')
-    expect(page.locator("#status")).to_contain_text("Nothing is drawn")
+    expect(page.locator("#status")).to_contain_text("No houses are drawn")
 
 
 def test_a_brief_that_is_impossible_is_proved_by_its_lines(editor: Page) -> None:

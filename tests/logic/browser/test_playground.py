@@ -270,7 +270,7 @@ def test_without_the_server_a_stopped_page_says_what_to_do(browser, at):
 def test_a_browser_without_webassembly_is_told(page, at):
     page.add_init_script("delete window.WebAssembly")
     page.goto(at)
-    expect(page.locator("#status")).to_contain_text("This browser has no WebAssembly")
+    expect(page.locator("#status")).to_contain_text("The solvers need WebAssembly")
 
 
 def test_a_folder_with_something_in_it_is_left_alone(tmp_path):

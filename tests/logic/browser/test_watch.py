@@ -383,7 +383,7 @@ def test_a_stale_answer_never_takes_the_place_of_a_newer_one(server: Watched, pa
     page.wait_for_timeout(50)
     assert page.locator("#sheet").inner_text() == "seed 1"
     # The time counts from the page's request, not from the save. The findings of lint follow.
-    said = re.compile(r"1 house, drawn in \d\.\d\d s\. Not all rules were judged\.")
+    said = re.compile(r"1 house, drawn in \d\.\d\d s\. Some rules were not checked\.")
     expect(page.locator("#status")).to_have_text(said)
 
 

@@ -47,9 +47,9 @@ def test_the_front_wall_is_that_of_the_entrance(door: Rect, side: str, front: tu
 
 
 def test_an_entrance_or_a_window_on_no_wall_is_named() -> None:
-    with pytest.raises(ValueError, match="the entrance of the den lies on none"):
+    with pytest.raises(ValueError, match="the entrance of the den is not on its walls"):
         Frame(room([Rect(2, 2, 0.9, 0)]))
-    with pytest.raises(ValueError, match="a door or window of the den lies on none"):
+    with pytest.raises(ValueError, match="a door or window of the den is not on its walls"):
         Frame(room(windows=(Rect(2, 2, 0.9, 0),)))
 
 

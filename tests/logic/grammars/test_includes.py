@@ -73,12 +73,12 @@ WRONG: dict[str, tuple[dict[str, str], str, str]] = {
     "lengths among rules": (
         {"a.lp": LP.format("home/sizes.pl")},
         "a.lp:1:1",
-        "a .lp file includes .lp files alone",
+        "a .lp file includes only .lp files",
     ),
     "rules among lengths": (
         {"a.pl": PL.format("home/rooms.lp")},
         "a.pl:1:1",
-        "a .pl file includes .pl files",
+        "a .pl file includes only .pl files",
     ),
     "a name that moves a cursor": ({"a.lp": LP.format("\x1b[2J.lp")}, "a.lp:1:1", r"no file \x1b[2J.lp"),
 }

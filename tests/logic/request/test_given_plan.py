@@ -147,7 +147,7 @@ def test_past_the_most_layouts_of_a_room_its_limit_is_named(
     monkeypatch.setattr("vitruvius.logic.generation.movable_doors.MOST_LAYOUTS", 0)
     monkeypatch.setattr("vitruvius.logic.generation.shared_walls.MOST_TRIES", 6)
     small = geojson(BOXES | {"bath": (6, 3, 7.6, 5.15)}, bath="bathroom")
-    with pytest.raises(LimitReached, match=r"the last time bath, a bathroom of 1\.60 by 2\.15 m"):
+    with pytest.raises(LimitReached, match=r"most recently bath, a bathroom of 1\.60 by 2\.15 m"):
         made(home, small, furniture={"bathtub": 1, "shower": 1, "washingMachine": 1})
 
 
@@ -155,13 +155,13 @@ def test_doors_move_to_where_a_room_can_be_furnished(home: Builder, monkeypatch:
     monkeypatch.setattr("vitruvius.logic.generation.given_plan.PATIENCE", 1)
     monkeypatch.setattr("vitruvius.logic.generation.shared_walls.MOST_TRIES", 1)
     tight = geojson(BOXES | {"bath": (6, 0, 7.6, 3), "kitchen": (6, 3, 9, 6)}, bath="bathroom")
-    for index in range(6):
+    for index in (0, 1, 2, 17):  # of the first 24, only 17 has doors that leave no place for both
         house = made(home, tight, index, furniture={"bathtub": 1, "shower": 1})
         assert check(house) == []
         assert {"bathtub", "shower"} <= {piece.type for piece in house.room("bath").pieces}
     monkeypatch.setattr("vitruvius.logic.generation.given_plan.PATIENCE", 2)
     with pytest.raises(LimitReached):
-        [made(home, tight, index, furniture={"bathtub": 1, "shower": 1}) for index in range(6)]
+        made(home, tight, 17, furniture={"bathtub": 1, "shower": 1})
 
 
 @pytest.mark.parametrize(

@@ -102,7 +102,7 @@ MISTAKES = (
     Call(HouseVectorEnv, {"device": "gpu"}, ("there is no device gpu", "cpu, cuda"), ValueError),
     # files
     Call(load, {"path": "housse.jsonl"}, ("did you mean houses.jsonl?",), HouseFileError),
-    Call(save, {"houses": [HOUSE], "path": "x.txt"}, (".txt is not written",), RequestError),
+    Call(save, {"houses": [HOUSE], "path": "x.txt"}, (".txt is not supported",), RequestError),
     Call(save, {"houses": [], "path": "x.jsonl"}, ("no house to write",), RequestError),
     Call(checkpoint.load, {"path": "dqn"}, ("is a preset of train",), CheckpointError),
 )

@@ -104,12 +104,12 @@ MISTAKES = (
     Command("draw houses.jsonl --grammar famly", ("no grammar famly", "did you mean family?"), 5),
     Command("check houses.jsonl --promises famly", ("no grammar famly", "did you mean family?"), 5),
     # files that are written
-    Command("generate --rooms 2 --out x.txt", ("x.txt: .txt is not written", ".jsonl")),
-    Command("generate --rooms 2 --out x.csv", ("x.csv: .csv is not written", ".jsonl")),
-    Command("generate --rooms 2 --out x", ("x: no extension is not written", ".jsonl")),
+    Command("generate --rooms 2 --out x.txt", ("x.txt: .txt is not supported", ".jsonl")),
+    Command("generate --rooms 2 --out x.csv", ("x.csv: .csv is not supported", ".jsonl")),
+    Command("generate --rooms 2 --out x", ("x: no extension is not supported", ".jsonl")),
     Command("generate --rooms 2 --count 2 --out x.json", ("holds one house, not 2", "use .jsonl")),
     Command("generate --rooms 2 --out runs", ("runs: is a folder", "runs/name.jsonl")),
-    Command("export pqn --out x.pt", ("x.pt: .pt is not written", ".onnx")),
+    Command("export pqn --out x.pt", ("x.pt: .pt is not supported", ".onnx")),
     Command("evaluate --out x.json", ("x.json: the output is a",)),
     Command("train --steps 1 --out x.safetensors", ("x.safetensors: the output is a",)),
     # fixed rooms
