@@ -216,7 +216,7 @@ def test_a_unit_that_is_said_gives_the_same_plan(factor: float, unit: str) -> No
     plan, same = read_plan(scaled(factor), unit), read_plan(geojson(BOXES))
     for one, other in zip(plan.rooms, same.rooms, strict=True):
         assert one.box == pytest.approx(other.box, abs=1e-5)
-    with pytest.raises(RequestError, match="plan unit yd: one of m, dm"):
+    with pytest.raises(RequestError, match="plan unit yd: give one of m, dm"):
         read_plan(scaled(1), "yd")
 
 
