@@ -22,7 +22,7 @@ from benchmarks.reliability.random_calls import COUNT, KINDS, WEIGHTS, Draw, ban
 from vitruvius.logic import House
 from vitruvius.logic.errors import HouseFileError
 from vitruvius.sim import HouseRotation, HouseVectorEnv
-from vitruvius.sim.world.arrays import SEED
+from vitruvius.sim.world.arrays import COUNTERS, SEED
 
 REFUSALS = (ValueError, TypeError, Error, HouseFileError)
 """Errors that refuse a call."""
@@ -110,7 +110,7 @@ class Player:
         if name in ("reset", "step", "step_torch"):
             assert envs.observation_space.contains(answer[0]), f"{name}: {answer[0]} is not of its space"
         if name == "reset" and not was_ready:  # one environment alone would draw other seeds
-            seeds = np.ascontiguousarray(envs.state["wholes"][:, SEED:]).view("<u8").ravel()
+            seeds = np.ascontiguousarray(envs.state["wholes"][:, SEED:COUNTERS]).view("<u8").ravel()
             arguments = arguments | {"seed": [int(each) for each in seeds]}
         return Call(name, arguments, copy.deepcopy(answer))
 

@@ -15,6 +15,7 @@ from tests.hostile.checkpoints import archived, pickled
 from tests.hostile.houses import bomb
 from tests.hostile.subjects import Answer
 from vitruvius.logic.errors import VitruviusError
+from vitruvius.sim.world.arrays import COUNTERS, FOUND
 
 FILES = ("agent.safetensors", "config.json", "metrics.jsonl", "state.pt.gz", "tensorboard", ".lock")
 
@@ -70,7 +71,7 @@ def envs(**changes: Callable[[Any], Any]) -> Callable[[Yard], bytes]:
     return content
 
 
-def placed(array: Any, number: int, columns: slice = slice(0, 3)) -> Any:
+def placed(array: Any, number: int, columns: slice = slice(COUNTERS, None)) -> Any:
     """Return an array with another number in some columns of the environments."""
     array[:, columns] = number
     return array
@@ -117,8 +118,8 @@ STATES: dict[str, Callable[[Yard], bytes]] = {
     "cells far away": envs(wholes=lambda array: placed(array, 2**31 - 1)),
     "cells before the first": envs(wholes=lambda array: placed(array, -(2**31))),
     "cells not so far away": envs(wholes=lambda array: placed(array, 60_000)),
-    "headings that are none": envs(wholes=lambda array: placed(array, 99, slice(2, 3))),
-    "very many targets found": envs(wholes=lambda array: placed(array, 2**31 - 1, slice(4, 8))),
+    "headings that are none": envs(wholes=lambda array: placed(array, 99, slice(-1, None))),
+    "very many targets found": envs(wholes=lambda array: placed(array, 2**31 - 1, slice(FOUND, FOUND + 1))),
     "bodies that are nowhere": envs(reals=lambda array: array * float("nan")),
     "bodies far away": envs(reals=lambda array: array * 0 + 3e38),
 }

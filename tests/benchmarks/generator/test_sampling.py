@@ -164,14 +164,12 @@ def test_a_count_of_layouts_knows_the_types_and_shows_how_far_it_is(
     with pytest.raises(RequestError, match="bedrom: did you mean bedroom"):
         list(count_layouts(4, types={"bedrom": 1}))
 
-    def counted(
-        *_: object, report: Callable[[str, int], None], **__: object
-    ) -> Iterator[tuple[str, int, bool]]:
+    def counted(_: object, report: Callable[[str, int], None]) -> Iterator[tuple[str, int, bool]]:
         report("hall", 1234)
         time.sleep(0.2)  # the count is shown ten times per second
         yield "hall", 5678, True
 
-    monkeypatch.setattr("vitruvius.logic.count_layouts", counted)
+    monkeypatch.setattr("vitruvius.logic.workers.count.counted", counted)
     monkeypatch.setenv("TTY_COMPATIBLE", "1")
     with pytest.raises(SystemExit, match="0"):
         main(["generate", "--rooms", "2", "--count-layouts"])
