@@ -50,7 +50,7 @@ class HouseRequest(msgspec.Struct, frozen=True, dict=True, forbid_unknown_fields
     """
 
     rooms: int
-    """Number of rooms, in a star of secondary rooms; in a range the least number."""
+    """Number of rooms, without a star's main room; of a range, the least number."""
     types: Mapping[str, Range] = {}
     furniture: Mapping[str, Range] = {}
     cell: float = 0.0

@@ -1,8 +1,8 @@
 """Doors that are closed when an episode begins, and that a body opens by walking against them.
 
 Doors are independent of the backend, in whose houses all doorways are open. A closed door is a segment across
-its doorway that blocks bodies and rays. So every backend supports doors without any code for them. Doors are
-an overlay: see ``sim.backends.overlay``.
+its doorway that blocks bodies and rays. So a backend of robots on a lattice supports doors
+without any code for them; ``free`` refuses them. Doors are an overlay: see ``sim.backends.overlay``.
 """
 
 from collections.abc import Mapping, Sequence

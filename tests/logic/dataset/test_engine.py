@@ -267,7 +267,8 @@ def test_what_is_no_engine_is_one_line_before_anything_is_written(
 def test_a_probe_that_fails_and_says_nothing_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("ray")
     monkeypatch.setattr(cluster, "TRY", "raise SystemExit(3)")
-    with pytest.raises(MissingProgram, match=r"cannot connect to a Ray cluster: exit code 3$"), cluster.connected("auto"):
+    says = r"cannot connect to a Ray cluster: exit code 3$"
+    with pytest.raises(MissingProgram, match=says), cluster.connected("auto"):
         pass
 
 

@@ -276,7 +276,7 @@ def test_a_garden_door_is_read_beside_the_entrance(format: str, homes: list[Hous
 
 
 def test_a_word_that_no_table_has_is_a_room_of_any_type(tmp_path: Path) -> None:
-    with pytest.warns(PlanWarning, match="words of no known type, so these rooms may have any type: Ballroom"):
+    with pytest.warns(PlanWarning, match="of no known type, so these rooms may have any type: Ballroom"):
         plan = written(tmp_path, svg(("LivingRoom", LIVING), ("Ballroom", HALL)))
     assert [room.type for room in plan.rooms] == ["living", ""]
 
