@@ -284,8 +284,8 @@ class Config:
     def columns(self) -> tuple[str, ...]:
         """Names of the values of each ray in an observation, in their order; ``is target`` is the last.
 
-        ``look`` in ``sim/world/observing.py`` writes the values. They are from 0 to 1, except
-        the angle: see ``single_spaces``.
+        ``look`` in ``sim/world/observing.py`` writes the values. They are from 0 to
+        1, except the angle: see ``single_spaces``.
         """
         return (
             *(("angle",) if self.sees_angle else ()),

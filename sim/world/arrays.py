@@ -105,8 +105,8 @@ STATE = (
     ),
     ArrayRow(
         "wholes", ti.i32, ("E",), "W",
-        meaning="house, steps in this episode, number of targets found plus 1, 1 if the episode has ended, number "
-        "of the episode, seed (2); on a lattice the cell: steps east, steps south, eighths of a turn",
+        meaning="house, steps in this episode, number of targets found plus 1, 1 if the episode has ended, "
+        "number of the episode, seed (2); on a lattice the cell: steps east, steps south, eighths of a turn",
         written="reset, step, seeds", read="all", saved=True,
     ),
     ArrayRow(
