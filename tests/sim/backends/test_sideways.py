@@ -166,7 +166,7 @@ def test_actions_beyond_the_box_are_refused_or_clipped():
         rows[3] = row
         with pytest.raises(ValueError, match=re.escape(message)):
             envs.step(rows)
-    with pytest.raises(ValueError, match=re.escape("actions have shape (32, 2): give (vx, vy, w) for each of 32")):
+    with pytest.raises(ValueError, match=re.escape("actions have shape (32, 2): give (vx, vy, w) for each")):
         envs.step(np.zeros((32, 2), np.float32))
     clips = make(preset=replace(CONFIG, drive=replace(DRIVE, clips=True)))
     clips.reset(seed=0), envs.reset(seed=0)
