@@ -67,7 +67,7 @@ def test_simulator_and_planner_go_the_same_way_on_taichi_and_on_its_fork() -> No
 
 
 def test_another_compiler_is_an_error_by_its_name() -> None:
-    said = "VITRUVIUS_RUNTIME: there is no 'numba': take one of taichi, quadrants"
+    said = "VITRUVIUS_RUNTIME: there is no 'numba': use one of taichi, quadrants"
     other = os.environ | {VARIABLE: "numba"}
     done = finished([sys.executable, "-c", "import vitruvius.sim"], env=other)
     assert done.stderr.splitlines()[-1] == f"vitruvius.logic.errors.RequestError: {said}"
