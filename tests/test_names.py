@@ -8,7 +8,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 
-PARALLEL = {"Motion", "Sight"}
+PARALLEL = {"Motion", "Relevance", "Sight"}
 """Classes with one name in both backends, which are read side by side."""
 
 TERMS = {

@@ -46,7 +46,7 @@ COLOURS = 64
 """Number of colours of the picture, so that its file is small."""
 
 
-class Counting:
+class PlanCost:
     """Cost of the unfurnished plans of houses, and the layout of the last one."""
 
     def __init__(self) -> None:
@@ -177,7 +177,7 @@ class Homes:
         size, request = Measured(rooms), HouseRequest(rooms)
         for index in range(WARM):
             builder.house(request, 1, index)
-        counting = Counting()
+        counting = PlanCost()
         builder.maker = counting.maker(builder)
         for index in range(self.houses):
             began = process_time()

@@ -42,7 +42,7 @@ PATIENCE = 5
 ADVICE = "another seed, a larger room, less furniture, or doors and windows elsewhere"
 
 
-class Doors(Enum):
+class DoorPlaces(Enum):
     """Places of the doors of a room that failed."""
 
     SAMPLED = "sampled"
@@ -96,7 +96,7 @@ class GivenPlanDraft:
         """Begin without refuted rooms."""
         self.draft, self.plan = draft, plan
         self.placer, self.programs, self.work = draft.placer, draft.rules.programs, draft.work
-        self.doors = Doors.SAMPLED
+        self.doors = DoorPlaces.SAMPLED
         self.refuted: list[Refuted] = []
         self.too_small: dict[tuple[int, str], list[Refuted]] = {}
 
@@ -115,9 +115,9 @@ class GivenPlanDraft:
         try:
             return self.draft.furnish(layout, plan)
         except Unfurnishable as failure:
-            if self.draft.failures + 1 >= PATIENCE and self.doors is Doors.SAMPLED:
-                self.doors = Doors.SEARCHED
-            if self.doors is not Doors.SEARCHED or not self._moved(plan, layout, failure.place):
+            if self.draft.failures + 1 >= PATIENCE and self.doors is DoorPlaces.SAMPLED:
+                self.doors = DoorPlaces.SEARCHED
+            if self.doors is not DoorPlaces.SEARCHED or not self._moved(plan, layout, failure.place):
                 raise
         return self.draft.furnish(layout, plan)
 
@@ -188,7 +188,7 @@ class GivenPlanDraft:
                     self.programs, self.placer, self.work.rng, self.draft.request, windows
                 )
             except LimitReached:
-                self.doors = Doors.UNKNOWN
+                self.doors = DoorPlaces.UNKNOWN
                 return False
             if furniture is None:
                 refuted = self._anywhere(plan, place) or [

@@ -14,7 +14,7 @@ from vitruvius.logic.generation import movable_doors
 from vitruvius.logic.generation.brief import brief_maker, name_rooms
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.generation.furnish import GivenRoom, Unfurnishable
-from vitruvius.logic.generation.given_plan import PATIENCE, Doors, GivenPlanDraft
+from vitruvius.logic.generation.given_plan import PATIENCE, DoorPlaces, GivenPlanDraft
 from vitruvius.logic.generation.movable_doors import LooseRoom
 from vitruvius.logic.generation.shared_walls import at_face
 from vitruvius.logic.generation.star import StarDraft
@@ -210,8 +210,8 @@ def test_doors_are_moved_once_a_room_has_failed_often(movable: bool, monkeypatch
 
 def test_after_a_search_for_doors_at_its_limit_no_other_follows(monkeypatch: pytest.MonkeyPatch) -> None:
     def unknown(self: GivenPlanDraft, *_: Any) -> bool:
-        assert self.doors is Doors.SEARCHED
-        self.doors = Doors.UNKNOWN
+        assert self.doors is DoorPlaces.SEARCHED
+        self.doors = DoorPlaces.UNKNOWN
         return False
 
     def fails(*_: Any) -> None:

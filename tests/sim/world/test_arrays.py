@@ -11,7 +11,7 @@ import pytest
 from vitruvius.sim import Config, HouseVectorEnv
 from vitruvius.sim.arrays import ArrayRow
 from vitruvius.sim.drive import Drive
-from vitruvius.sim.parts import PARTS, Part
+from vitruvius.sim.parts import PARTS, ObservedPart
 from vitruvius.sim.runtime import Array, ti
 from vitruvius.sim.world import overlays, page
 from vitruvius.sim.world.kind import WorldKind
@@ -33,7 +33,7 @@ def test_speeds_of_bodies_that_drive_have_an_array_of_their_own():
 
 
 def test_a_part_that_sees_the_room_brings_the_table_of_rooms(monkeypatch):
-    monkeypatch.setitem(PARTS, "goal", Part("room", 1, sees_room=True))
+    monkeypatch.setitem(PARTS, "goal", ObservedPart("room", 1, sees_room=True))
     named = {row.name for row in WorldKind(Config(observe=("rays", "goal"))).rows}
     assert {"surroundings", "rooms", "extras"} <= named
 
