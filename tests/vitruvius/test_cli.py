@@ -297,7 +297,7 @@ def test_a_full_disk_keeps_what_fits_and_is_named(tmp_path: Path, monkeypatch: p
     assert ended.stderr.splitlines()[-1] == f"error: {file}: No space left on device"
     kept = len(load(file))
     assert 3 < kept < 12
-    assert f"holds the first {kept} of 12 made" in ended.stderr
+    assert f"holds the first {kept} of 12 generated houses" in ended.stderr
     last = json.loads(file.read_text().splitlines()[-1])
     assert last == {"stopped": f"at house {kept}: No space left on device"}
     room = 0

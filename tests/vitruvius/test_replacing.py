@@ -13,6 +13,7 @@ from tests.logic.workers import in_process
 from vitruvius.cli import COMMANDS, main
 from vitruvius.logic import House, RequestError, load
 from vitruvius.logic.files.replacing import MARK, alone_in, study_folder, unless_other
+from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.options import options_of
 
 ROOT = Path(__file__).parents[2]
@@ -153,13 +154,13 @@ def test_the_same_command_again_is_no_loss(
 def test_houses_that_another_process_writes_meanwhile_stay(
     interrupted: bool, replace: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def writing(**options: Any) -> Iterator[House]:
-        yield from in_process.generate(options["rooms"])
+    def writing(request: HouseRequest, *_: int) -> Iterator[House]:
+        yield from in_process.generate(request.rooms)
         (tmp_path / "mine.jsonl").write_bytes(PLANS.read_bytes())
         if interrupted:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr("vitruvius.logic.generate", writing)
+    monkeypatch.setattr("vitruvius.logic.workers.generate.houses_of", writing)
     command = f"generate --rooms 1 --out {tmp_path / 'mine.jsonl'}{' --replace' if replace else ''}"
     assert run(command) == ((130 if interrupted else 0) if replace else 2)
     assert (load(tmp_path / "mine.jsonl") == load(PLANS)) is not replace
