@@ -12,7 +12,7 @@ seem more valuable than it is.
 """
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple, cast
@@ -274,7 +274,7 @@ class Collector(LearnedSearch):
             self.iterate()
 
 
-def collected(houses: list[House], config: SearchConfig) -> ViewChoices:
+def collected(houses: Sequence[House], config: SearchConfig) -> ViewChoices:
     """Return choices in houses, as many as the config's buffer holds."""
     config = replace(config, num_envs=len(houses))
     collector = Collector(config, make_envs(houses, len(houses), config.targets))
@@ -282,7 +282,7 @@ def collected(houses: list[House], config: SearchConfig) -> ViewChoices:
     return ViewChoices(collector.buffer, collector.blind, collector.house)
 
 
-def fitted(config: SearchConfig, houses: list[House], choices: ViewMaps, updates: int) -> ViewNetwork:
+def fitted(config: SearchConfig, houses: Sequence[House], choices: ViewMaps, updates: int) -> ViewNetwork:
     """Return a network that learns from choices; it does not play."""
     config = replace(config, num_envs=1, buffer_size=len(choices.blocks), steps=TURNS)
     learner = LearnedSearch(config, make_envs(houses, 1, config.targets))
