@@ -368,15 +368,24 @@ export const engine = {
 """
 
 
+def asked(page: Page, questions: int) -> None:
+    """Wait until the page has asked ``SLOW`` this often. The page's policy forbids ``wait_for_function``."""
+    for _ in range(200):
+        if page.evaluate("window.answers?.length ?? 0") >= questions:
+            return
+        page.wait_for_timeout(50)
+    pytest.fail(f"the page did not ask {questions} times in 10 s")
+
+
 def test_a_stale_answer_never_takes_the_place_of_a_newer_one(server: Watched, page: Page) -> None:
     def engine(route: Route) -> None:
         route.fulfill(body=SLOW, content_type="text/javascript")
 
     page.route("**/engine.js", engine)
     page.goto(f"{server.address}#count=1")
+    asked(page, 1)
     page.get_by_label("Seed", exact=True).fill("1")
-    while page.evaluate("answers.length") < 2:  # the page's own policy forbids ``wait_for_function``
-        page.wait_for_timeout(50)
+    asked(page, 2)
     page.evaluate("answers[1]()")
     expect(page.locator("#sheet")).to_have_text("seed 1")
     page.evaluate("answers[0]()")
