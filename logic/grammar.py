@@ -113,6 +113,10 @@ class Grammar:
         """Return the short name of one of the grammar's files: see ``name_in``."""
         return name_in(file, self.directory, SHIPPED.resolve())
 
+    def borrows(self, file: Path) -> bool:
+        """Return True for a file of a shipped grammar that this grammar includes: it may lack its types."""
+        return SHIPPED in file.parents and self.directory.resolve() not in file.parents
+
     def cited(self, rule: Reason) -> str:
         """Return a rule with its place as a house file cites it, without the folders of this machine."""
         return f"{self.name_of(Path(str(rule.file)))}:{rule.line}:{rule.column}: {rule.text}"

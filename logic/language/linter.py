@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from vitruvius.logic.errors import Finding, GrammarError, Reason
-from vitruvius.logic.grammar import SHIPPED, Grammar
+from vitruvius.logic.grammar import Grammar
 from vitruvius.logic.language.absent import absent
 from vitruvius.logic.language.asp.audit import UNITS
 from vitruvius.logic.language.loaded import LoadedGrammar
@@ -120,14 +120,8 @@ def _idle(grammar: Grammar, loaded: LoadedGrammar, rooms: int | None) -> list[Gr
     return [
         GrammarError(f"this rule never binds{limit}: {reason.text}", reason.file, reason.line, reason.column)
         for reason in (unbound if most else ())
-        if not _is_included(reason, grammar)
+        if not grammar.borrows(Path(str(reason.file)))
     ]
-
-
-def _is_included(reason: Reason, grammar: Grammar) -> bool:
-    """Return True for a rule of a shipped file that the grammar includes, and whose types it may lack."""
-    folders = Path(str(reason.file)).parents
-    return SHIPPED in folders and grammar.directory.resolve() not in folders
 
 
 def _programs(loaded: LoadedGrammar, rooms: int | None, unbound: Iterable[Reason]) -> Iterator[Ground]:

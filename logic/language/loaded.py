@@ -126,7 +126,8 @@ class LoadedGrammar:
         gone = [] if strange else list(self._unstated({predicate for predicate, *_ in sized}))
         if not gone:
             strange += [*unknown_choices(self.rules.words), *misspelt_lines(self.rules.words)]
-            strange += misspelt_names(self.rules.words, (name for _, name, *_ in sized))
+            misspelt = misspelt_names(self.rules.words, (name for _, name, *_ in sized))
+            strange += (each for each in misspelt if not self.grammar.borrows(Path(str(each.error.file))))
         meant, others = _by_meaning(strange)
         try:
             probe = self._probe({"rooms": 1}, HOUSE)

@@ -232,6 +232,19 @@ def test_mistakes_below_an_include_of_an_included_file_are_found_at_their_places
         assert found[:1] == [(str(moved), len(lines), len(lines[-1]) + 1)], (title, findings)
 
 
+def test_a_shipped_file_that_a_grammar_includes_may_name_what_the_grammar_lacks(
+    solver: ProcessPoolExecutor, tmp_path: Path
+) -> None:
+    """The arrangement of ``home`` asks where one dines: ``taken(dining)``."""
+    folder = Path(shutil.copytree(SHIPPED / "home", tmp_path / "mine"))
+    for file in folder.glob("*.[lp][lp]"):
+        own = re.sub(r"^one_room\(.*$", "", file.read_text(), flags=re.MULTILINE)
+        file.write_text(re.sub(r"\bdining\b", "mess", own))
+    (folder / "arrangement.lp").write_text(LP.format("home/arrangement.lp"))
+    findings, _ = solver.submit(linted, folder).result(timeout=PATIENCE)
+    assert findings == []
+
+
 def test_a_row_of_many_includes_is_read_once_and_belongs_to_the_hash(tmp_path: Path) -> None:
     many = 1100  # more than Python's stack is deep
     files = {f"parts/{n}.lp": LP.format(f"{n + 1}.lp") for n in range(many)} | {f"parts/{many}.lp": "% end"}

@@ -101,6 +101,7 @@ export function misspeltName(own, lengths, { table }) {
   const sized = lengths.flatMap((text) => [...text.matchAll(/^\s*\w+\(\s*([a-z]\w*)/gm)].map(([, name]) => name));
   const words = apart.flatMap((text) => text.match(/[\w']+/g) ?? []);
   const elsewhere = new Set([...table.constants, ...table.defined, ...sized, ...words]);
+  const borrowed = new Set(own.filter(({ isShipped }) => isShipped).map(({ name }) => name));
   const lines = new Set(heads.flatMap((head) => (atomOf(head)?.signature === "edge/3" ? atomOf(head).args[2].match(/\b[a-z]\w*/g) ?? [] : [])));
   // A value in a table of the grammar's own, such as zone(kitchen,loud).
   const tables = heads.map(atomOf).filter((head) => head && !table.known.includes(head.signature));
@@ -115,6 +116,7 @@ export function misspeltName(own, lengths, { table }) {
   }
   for (const [name, places] of uses) {
     const near = meant(name, [...others].filter((each) => each !== name));
+    if (borrowed.has(places[0].file)) continue; // The grammar may lack what a shipped file names.
     const isOnce = places.length === 1;
     if ((lines.has(name) && !near) || (isOnce && tables.some(({ args }) => args.some((each) => new RegExp(`\\b${name}\\b`).test(each))))) continue;
     if (isOnce || !stated.has(name)) return { ...places[0], isNear: near !== "", why: `${name} stands ${isOnce ? "nowhere else" : "in no fact or head"}${near}` };

@@ -4,7 +4,7 @@ import { RuleError } from "./program.js";
 import { closest } from "./spelling.js";
 
 /** The files of one ending, those of shipped grammars first, each after those that it includes: [{ name, written, text }], where
- * solvers read `text`. */
+ * solvers read `text`; `isShipped` if it is of a shipped grammar. */
 export function withIncluded(files, ending, { includes: { lines, examples }, shipped, says }) {
   const pattern = new RegExp(lines[ending]), found = [], places = new Map();
 
@@ -30,7 +30,7 @@ export function withIncluded(files, ending, { includes: { lines, examples }, shi
       places.set(other, `${name}:${height}`);
       follow(other, shipped[other], path);
     }
-    found.push({ name, written, text: "\n".repeat(height) + rows.slice(height).join("\n") });
+    found.push({ name, written, isShipped: !(name in files), text: "\n".repeat(height) + rows.slice(height).join("\n") });
   }
 
   /** The file that is meant: beside the one that includes it, or else one of a shipped grammar. */
