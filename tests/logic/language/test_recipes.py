@@ -361,7 +361,10 @@ def with_examples(folder: Path, grammar: str, topology: str, clauses: set[str]) 
 
 
 def test_all_examples_of_the_page_together_are_a_grammar(solver: ProcessPoolExecutor, tmp_path: Path) -> None:
-    """The copy of family states the named lengths already. One door leads to a room; none is the largest or spacious."""
+    """The copy of family states the named lengths already.
+
+    One door leads to a room. No room is the largest, or spacious.
+    """
     folder = with_examples(tmp_path / "mine", "family", "star", {"room_size", "piece_size"})
     findings, houses = solver.submit(made, folder).result()
     never_binds = re.compile(r"binds: .*(between\(|doorway\(|largest|spacious|taken)")
