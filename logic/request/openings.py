@@ -11,6 +11,7 @@ from vitruvius.logic.readers.regular import Opening, Regular
 from vitruvius.logic.readers.types import table
 from vitruvius.logic.request.own_plan import OwnPlan, Wall
 from vitruvius.logic.shapes.lines import MAX_WALL_M
+from vitruvius.logic.spelling import numbered
 
 REACH = MAX_WALL_M / 2 + 0.15
 """Greatest distance from a wall at which its doors and windows may be drawn, metres."""
@@ -23,6 +24,10 @@ ALL = 0.2
 
 LEAST = 0.4
 """Least width of a door or a window, metres."""
+
+
+MAX_PLACES = 5
+"""Largest number of ignored doors, and of ignored windows, that have a note each."""
 
 
 class Placed(NamedTuple):
@@ -47,12 +52,13 @@ def placed(plan: OwnPlan, drawn: Regular, noise: float) -> Placed:
     outer = [wall for wall in plan.walls if wall.behind is None]
     doors, windows, notes = list[Door](), list[Window](), list[str]()
     alone: list[str] = []
+    ignored: dict[str, list[Opening]] = {"door": [], "window": []}
     knows_entrance = any(each.is_entrance for each in drawn.passages)
     in_front = list[Door]()
     for opening in (piece for each in drawn.passages for piece in _pieces(each, inner)):
         found = _nearest(opening, [*inner, *outer])
         if found is None:
-            notes.append(f"a door at {_at(opening)} is not in a wall: ignored")
+            ignored["door"].append(opening)
             continue
         wall, start, end = found
         is_garden = wall.behind is None and (
@@ -73,7 +79,9 @@ def placed(plan: OwnPlan, drawn: Regular, noise: float) -> Placed:
             wall, start, end = found
             windows.append(Window(*_segment(wall, start, end - start), names[wall.room]))
         else:
-            notes.append(f"a window at {_at(opening)} is not in an outer wall: ignored")
+            ignored["window"].append(opening)
+    notes += _ignored("door", "a wall", ignored["door"])
+    notes += _ignored("window", "an outer wall", ignored["window"])
     if doors:
         doors += _joints(drawn, inner, names)
         if alone := _unreached(names, doors):
@@ -82,6 +90,14 @@ def placed(plan: OwnPlan, drawn: Regular, noise: float) -> Placed:
                 notes.append(f"no drawn door leads to {some}: doors may be added")
     kept = _entrance_first(list(_widest(doors, notes)), in_front, plan, [] if knows_entrance else notes)
     return Placed(tuple(kept), tuple(windows), bool(doors and alone), notes)
+
+
+def _ignored(what: str, where: str, openings: Sequence[Opening]) -> Iterator[str]:
+    """Yield notes on openings that are ignored, the first of them each by its place."""
+    for opening in openings[:MAX_PLACES]:
+        yield f"a {what} at {_at(opening)} is not in {where}: ignored"
+    if more := len(openings[MAX_PLACES:]):
+        yield f"{numbered(more, f'more {what}')} {'is' if more == 1 else 'are'} not in {where}: ignored"
 
 
 def _entrance_first(
@@ -186,10 +202,12 @@ def _unreached(names: Sequence[str], doors: Sequence[Door]) -> list[str]:
 def _widest(doors: Sequence[Door], notes: list[str]) -> Iterator[Door]:
     """Yield one door between any two rooms, the widest."""
     best: dict[frozenset[str], Door] = {}
+    narrower = dict[str, None]()
     for door in sorted(doors, key=lambda door: door.length, reverse=True):
         one, other = door.between
         if best.setdefault(frozenset(door.between), door) is not door:
-            notes.append(f"of two doors between {one} and {other} the wider is kept")
+            narrower[f"of two doors between {one} and {other} the wider is kept"] = None
+    notes += narrower
     yield from (door for door in doors if best[frozenset(door.between)] is door)
 
 

@@ -283,6 +283,18 @@ def test_a_sequence_of_features_is_the_same_plan(tmp_path: Path) -> None:
     assert len(load(tmp_path / "rfc8142.geojsons")) == 1
 
 
+def test_doors_in_no_wall_have_few_notes_and_are_counted() -> None:
+    rooms = feature(shapely.box(0, 0, 4, 4), name="a"), feature(shapely.box(4, 0, 8, 4), name="b")
+    lines = (shapely.LineString([(1, 1 + number / 100), (1.9, 1 + number / 100)]) for number in range(200))
+    doors = [feature(line, type="door") for line in lines]
+    with pytest.warns(PlanWarning) as warned:
+        read_plan(collection(*rooms, *doors))
+    assert [str(each.message) for each in warned][4:] == [
+        "plan: a door at x 1.45, y 2.96 m is not in a wall: ignored",
+        "plan: 195 more doors are not in a wall: ignored",
+    ]
+
+
 @pytest.mark.parametrize("key", ["level", "storey", "floor"])
 def test_of_several_storeys_one_is_named(key: str) -> None:
     features = [
