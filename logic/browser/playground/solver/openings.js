@@ -103,22 +103,76 @@ export function opening(house, tiles, segment) {
 
 /** For each door that is no opening { room, hinge, tip, jamb }, in the order of the doors. */
 export function doorLeaves(house, pieces) {
-  const away = steps(house), rooms = new Map(house.rooms.map((room) => [room.name, boxOf(room)]));
-  const leaves = [];
+  const away = steps(house), rooms = new Map(house.rooms.map((room) => [room.name, boxOf(room)])), leaves = new Leaves();
   for (const door of house.doors.filter((each) => !each.opening)) {
     const order = (leaf) => [-(away.get(leaf.room) ?? 0), fromCorner(leaf, rooms.get(leaf.room))];
-    const all = ways(door, house, rooms).map((leaf) => [order(leaf), leaf]).sort(([one], [other]) => byFirst(one, other));
-    let best = null;
-    for (const [, leaf] of all) {
-      const others = leaves.filter(({ room }) => room === leaf.room).map(swing);
-      const cost = swept(leaf, rooms.get(leaf.room), pieces.get(leaf.room), others);
-      if (!best || byFirst(cost, best.cost) < 0) best = { cost, leaf };
-      if (!cost[0] && !cost[1]) break;
-    }
-    leaves.push(best.leaf);
+    const all = ways(door, house, rooms).map((leaf) => [order(leaf), leaf]).sort(([one], [other]) => byFirst(one, other)).map(([, leaf]) => leaf);
+    leaves.add(all, all.map((leaf) => swept(leaf, rooms.get(leaf.room), pieces.get(leaf.room))));
   }
-  return leaves;
+  return leaves.chosen;
 }
+
+/** How many other doors, one in the way of the next, may change their leaves for a door; how many attempts at that a house has; and
+ * of how many swings near a leaf circles are compared, by points of a unit square; of more, the squares around them. */
+const MAX_MOVED = 3, MAX_SETTLED = 300, MAX_NEAR = 8;
+const POINTS = Array.from({ length: 144 }, (_, n) => [((n % 12) + 0.5) / 12, (Math.floor(n / 12) + 0.5) / 12]);
+
+/** The leaves of the doors so far, each one of the ways of its door. */
+class Leaves {
+  chosen = [];
+  free = []; // ways of each door over no furniture and no walls
+  attempts = 0;
+  before = []; // changes, each the number of a door and its leaf before
+
+  add(ways, depths) {
+    const number = this.chosen.length;
+    this.before = [];
+    this.free.push(ways.filter((_, way) => depths[way] === 0));
+    this.chosen.push(ways[0]);
+    if (this.settle(number, MAX_MOVED, [])) return;
+    const sum = (leaf) => this.crossed(number, leaf).reduce((total, { area }) => total + area, 0);
+    [[, this.chosen[number]]] = ways.map((leaf, way) => [[depths[way], sum(leaf)], leaf]).sort(([one], [other]) => byFirst(one, other));
+  }
+
+  /** Let the leaf of a door cross no other, or return false. Those that are settled stay. */
+  settle(number, wanted, others) {
+    const mark = this.before.length, settled = [...others, number];
+    this.attempts += Number(wanted > 0);
+    const moves = this.attempts <= MAX_SETTLED ? wanted : 0;
+    for (const most of moves ? [0, moves] : [0])
+      for (const leaf of this.free[number]) {
+        const crossed = this.crossed(number, leaf).map(({ other }) => other);
+        if (crossed.length > most || crossed.some((other) => settled.includes(other))) continue;
+        this.before.push([number, this.chosen[number]]);
+        this.chosen[number] = leaf;
+        if (crossed.every((other) => this.settle(other, moves - crossed.length, settled))) return true;
+        while (this.before.length > mark) {
+          const [door, last] = this.before.pop();
+          this.chosen[door] = last;
+        }
+      }
+    return false;
+  }
+
+  /** The doors whose swings a leaf of a door would cross, and the areas. */
+  crossed(number, leaf) {
+    const around = swing(leaf);
+    const near = this.chosen.flatMap((each, other) => {
+      const [west, north, east, south] = swing(each);
+      const start = [Math.max(west, around[0]), Math.max(north, around[1])];
+      const sides = [Math.min(east, around[2]) - start[0], Math.min(south, around[3]) - start[1]];
+      return other !== number && each.room === leaf.room && Math.min(...sides) > TOLERANCE ? [{ each, other, start, sides }] : [];
+    });
+    const share = ({ each, start, sides }) => {
+      const points = POINTS.map((point) => point.map((part, axis) => start[axis] + part * sides[axis]));
+      return points.filter((point) => inReach(leaf, point) && inReach(each, point)).length / POINTS.length;
+    };
+    return near.map((one) => ({ other: one.other, area: one.sides[0] * one.sides[1] * (near.length <= MAX_NEAR ? share(one) : 1) }))
+      .filter(({ area }) => area > 0);
+  }
+}
+
+const inReach = ({ hinge, tip }, [x, y]) => Math.hypot(x - hinge[0], y - hinge[1]) < Math.hypot(hinge[0] - tip[0], hinge[1] - tip[1]);
 
 /** Through how many doors each room is reached from where bodies start. */
 function steps({ rooms, doors, hub }) {
@@ -155,13 +209,14 @@ function swing({ hinge, tip, jamb }) {
 const overlap = (one, other) => Math.min(
   ...[0, 1].map((axis) => Math.min(one[axis + 2], other[axis + 2]) - Math.max(one[axis], other[axis])));
 
-/** How far a leaf would go through furniture and walls, and through other swings. */
-function swept(leaf, room, pieces, others) {
+/** How far a leaf would go through furniture and walls. */
+function swept(leaf, room, pieces) {
   const around = swing(leaf), length = Math.hypot(leaf.hinge[0] - leaf.tip[0], leaf.hinge[1] - leaf.tip[1]);
   const from = ([x, y], box) => Math.hypot(...[Math.max(0, box[0] - x, x - box[2]), Math.max(0, box[1] - y, y - box[3])]);
-  const hit = pieces.filter((piece) => overlap(around, piece) > TOLERANCE).map((piece) => length - from(leaf.hinge, piece));
+  const within = (box) => box.map((value, side) => (side < 2 ? Math.max : Math.min)(value, around[side]));
+  const hit = pieces.filter((piece) => overlap(around, piece) > TOLERANCE).map((piece) => length - from(leaf.hinge, within(piece)));
   const beyond = Math.max(room[0] - around[0], around[2] - room[2], room[1] - around[1], around[3] - room[3]);
-  return [Math.max(beyond, ...hit, TOLERANCE) - TOLERANCE, Math.max(TOLERANCE, ...others.map((other) => overlap(around, other))) - TOLERANCE];
+  return Math.max(beyond, ...hit, TOLERANCE) - TOLERANCE;
 }
 
 /** How far the hinge is from the nearer corner along the door's wall. */
