@@ -114,7 +114,7 @@ class Grammar:
         return name_in(file, self.directory, SHIPPED.resolve())
 
     def borrows(self, file: Path) -> bool:
-        """Return True for a file of a shipped grammar that this grammar includes: it may lack its types."""
+        """Return True for an included file of a shipped grammar: it may name types that are absent here."""
         return SHIPPED in file.parents and self.directory.resolve() not in file.parents
 
     def cited(self, rule: Reason) -> str:

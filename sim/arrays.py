@@ -26,10 +26,10 @@ class ArrayRow:
 
     shape: tuple[str | int, ...]
     """Sizes whose product is the number of elements. A letter is a key of ``sim.world.arrays.SIZES``; ``n``
-    is a length that the houses decide."""
+    is a length that depends on the houses."""
 
     width: int | str = 1
-    """Number of an element's numbers: elements are short vectors if it is more than 1."""
+    """Number of components of an element: 1 for a number, more for a short vector."""
 
     meaning: str = ""
 
@@ -52,7 +52,7 @@ class ArrayRow:
         return self.kind(kind) if isinstance(self.kind, FunctionType) else self.kind
 
     def width_of(self, sizes: Mapping[str, int]) -> int:
-        """Return the number of an element's numbers."""
+        """Return the number of components of an element."""
         return sizes[self.width] if isinstance(self.width, str) else self.width
 
     def array(self, kind: Any, sizes: Mapping[str, int]) -> Array:
@@ -65,7 +65,7 @@ class ArrayRow:
 
 @cache
 def annotation(kind: Any, width: int) -> Any:
-    """Return the annotation of a kernel's array. Equal arrays have one, so that their records are equal."""
+    """Return the annotation of a kernel's array: one object for equal arrays, so that records are equal."""
     return ti.types.ndarray(element(kind, width), 1)
 
 

@@ -27,7 +27,7 @@ BODY, TRAIL, RAY = (31, 94, 168), (31, 94, 168), (110, 130, 155)
 TARGET, TARGET_EDGE, TARGET_RAY = (245, 178, 45), (183, 118, 8), (224, 122, 20)
 
 THING, THIN = (122, 84, 44), 0.02
-"""Colour of what lies over a house, and how much wider than its box it is drawn on each side, in metres."""
+"""Colour of the things of overlays, and margin by which they are drawn larger than their boxes, metres."""
 
 SHARP = DENSITY
 """Factor by which everything is drawn larger before it is reduced, so that lines are smooth."""
@@ -67,7 +67,7 @@ class Scene:
     others: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
     """Centres of the other targets, (n, 2), metres."""
     over: np.ndarray = field(default_factory=lambda: np.zeros((0, 4)))
-    """Boxes of what lies over the house, such as closed doors, (n, 4): west, north, east, south."""
+    """Boxes of the things of overlays, such as closed doors, (n, 4): west, north, east, south, metres."""
 
 
 class Camera:

@@ -34,7 +34,7 @@ from vitruvius.sim import runtime
 runtime.start()
 print(runtime.constants(np.ones(3, np.float32)).to_numpy().sum(), runtime.KEEPS_KERNELS)
 """
-"""The least that compiles a kernel, which the simulator's own take ten times as long for."""
+"""Smallest program that compiles a kernel. The simulator's own kernels take ten times as long."""
 
 HOMES = {
     "no home": {},

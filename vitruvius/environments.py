@@ -12,7 +12,7 @@ BACKENDS = ("continuous", "free", "grid")
 
 
 def register_soon() -> None:
-    """Register the environments when Gymnasium is imported, which takes 0.15 s, or now if it was."""
+    """Register the environments at once if Gymnasium is imported, or else after its import (0.15 s)."""
     if "gymnasium" in sys.modules:
         register()
     else:

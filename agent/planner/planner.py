@@ -54,9 +54,9 @@ class Planner:
     ) -> None:
         """Make planners for E environments of the configuration ``world``; an episode begins in each.
 
-        ``prior``: the planner does not estimate what unseen places count and which of them block sight. It
-        reads both from the array ``prior``, which a network or a study that knows the house fills. ``led``:
-        the planner chooses no viewpoint. A planner without a goal (``lost``) gets a viewpoint from ``lead``.
+        ``prior``: the planner does not estimate the weights of unseen places and which of them block sight.
+        It reads both from the array ``prior``, which a network or a study that knows the house fills.
+        ``led``: the planner chooses no viewpoint. A planner without a goal (``lost``) gets one from ``lead``.
 
         Raises ``ValueError`` for episodes with more steps than a cell can store, and for the reasons of
         ``driving_setup``.

@@ -54,7 +54,8 @@ class Chooser(Protocol):
 class Tracker:
     """Tracker that steps a planner with a policy.
 
-    The policy sets ``actions`` after each choice; if bodies drive, to the poses before each look.
+    The policy sets ``actions``: the actions after each choice, or the poses before each look of a body that
+    drives.
     """
 
     def __init__(

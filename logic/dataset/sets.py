@@ -107,7 +107,7 @@ class Set(msgspec.Struct, frozen=True, dict=True, forbid_unknown_fields=True):
 
     @cached_property
     def asked(self) -> HouseRequest:
-        """Request of the set's houses, by a grammar that only its name and hash state."""
+        """Request of the set's houses, without their grammar: see ``request_in``."""
         return HouseRequest.read(self.request, inferences=self.inferences, seconds=self.seconds)
 
     def seed_of(self, split: str) -> int:
@@ -134,7 +134,7 @@ class Set(msgspec.Struct, frozen=True, dict=True, forbid_unknown_fields=True):
         return shards
 
     def request_in(self, folder: Path) -> HouseRequest:
-        """Return the request of the set's houses, with its ``rules``."""
+        """Return the request of the set's houses, with the set's ``rules`` as its grammar."""
         return msgspec.structs.replace(self.asked, grammar=str(self.rules(folder).directory))
 
     def rules(self, folder: Path) -> Grammar:

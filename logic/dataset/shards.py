@@ -42,7 +42,7 @@ def make(
             held(folder, of, shard)
         except ValueError as error:
             if not replace:
-                why = f"--out {folder}: {shard.place} does not hold its shard ({error})"
+                why = f"--out {folder}: {shard.place} is not the shard of this set ({error})"
                 raise RequestError(
                     f"{why}: choose another folder, or add --replace to overwrite it"
                 ) from None

@@ -34,25 +34,25 @@ class Leaf(NamedTuple):
 
 
 MAX_MOVED = 3
-"""Number of other doors, one in the way of the next, whose leaves may change for the leaf of a door."""
+"""Largest number of other doors whose leaves move, one out of the way of the next, for the leaf of a door."""
 
 MAX_SETTLED = 300
-"""Number of attempts in a house to move leaves of doors for other doors, which bounds the time."""
+"""Largest number of attempts in a house to move leaves for other doors, which bounds the time."""
 
 MAX_NEAR = 8
-"""Number of other swings near a leaf up to which circles are compared; of more, the squares around them."""
+"""Largest number of swings near a leaf whose quarter circles are compared; of more, the squares."""
 
 POINTS = (np.stack(np.meshgrid(np.arange(12), np.arange(12)), axis=-1).reshape(-1, 2) + 0.5) / 12
-"""Points of a unit square, by which the area that two swings share is measured, shape (144, 2)."""
+"""Points of a unit square, by which the area that two swings share is estimated, shape (144, 2)."""
 
 
 def door_leaves(house: House) -> list[Leaf]:
     """Return a leaf for each door that is no opening, in the order of ``house.doors``.
 
     The leaf swings into the room farther from the robot's start, with its hinge at the jamb nearer to a
-    corner. If it would sweep over furniture, walls or another door's swing there, the leaf takes one of the
-    other three ways that is free, or leaves of doors before it change so that one is free. If none is free,
-    it takes the way that sweeps over least.
+    corner. If it would sweep over furniture, walls or another door's swing there, the leaf takes a free one
+    of the other three ways. If none is free, the leaves of earlier doors move so that one becomes free. If
+    that fails, too, the leaf takes the way that sweeps over least.
     """
     steps, rooms = _steps(house), {room.name: room for room in house.rooms}
     pieces = {room.name: [piece.box for piece in room.pieces] for room in house.rooms}
@@ -69,18 +69,18 @@ def door_leaves(house: House) -> list[Leaf]:
 
 
 class _Leaves:
-    """Leaves of the doors so far, each one of the ways of its door."""
+    """Leaves that are chosen so far, one of the possible leaves of each door."""
 
     def __init__(self, most: int) -> None:
-        """Begin without a door. There are at most this many."""
+        """Begin without doors. ``most``: largest number of doors that will follow."""
         self.chosen: list[Leaf] = []
         self._swings, self._into = np.empty((most, 4)), np.empty(most, object)
-        self._free: list[list[Leaf]] = []  # ways of each door over no furniture and no walls
+        self._free: list[list[Leaf]] = []  # leaves of each door over no furniture and no walls
         self._attempts = 0
-        self._before: list[tuple[int, Leaf]] = []  # changes, each the number of a door and its leaf before
+        self._before: list[tuple[int, Leaf]] = []  # changes to undo: a door and its previous leaf
 
     def add(self, ways: list[Leaf], swept: list[float]) -> None:
-        """Choose a leaf for one more door, of its ways in order of preference."""
+        """Choose a leaf for one more door. ``ways``: its possible leaves, the preferred one first."""
         number = len(self.chosen)
         self._before.clear()
         self._free.append([leaf for leaf, depth in zip(ways, swept, strict=True) if depth == 0])
@@ -91,7 +91,7 @@ class _Leaves:
             self._put(number, ways[min(range(len(ways)), key=lambda way: (swept[way], crossed[way]))])
 
     def _settle(self, number: int, moves: int, settled: tuple[int, ...]) -> bool:
-        """Let the leaf of a door cross no other, or return False. Those that are ``settled`` stay."""
+        """Choose a leaf of a door that crosses no other, or return False. Doors that are ``settled`` stay."""
         mark, settled = len(self._before), (*settled, number)
         self._attempts += bool(moves)
         moves = moves if self._attempts <= MAX_SETTLED else 0
@@ -115,7 +115,7 @@ class _Leaves:
         self.chosen[number], self._swings[number], self._into[number] = leaf, leaf.swing, leaf.room
 
     def _crossed(self, number: int, leaf: Leaf) -> tuple[np.ndarray, np.ndarray]:
-        """Return the doors whose swings a leaf of a door would cross, and the areas, square metres."""
+        """Return the doors whose swings a leaf of a door would cross, and the shared areas, square metres."""
         swing, count = leaf.swing, len(self.chosen)
         starts = np.maximum(self._swings[:count, :2], swing[:2])
         sides = np.minimum(self._swings[:count, 2:], swing[2:]) - starts
@@ -169,7 +169,7 @@ def _ways(door: Door, house: House, rooms: dict[str, Room]) -> list[Leaf]:
 
 
 def _swept(leaf: Leaf, room: Box, pieces: list[Box]) -> float:
-    """Return the depth of a leaf in furniture and walls, metres."""
+    """Return the depth to which a leaf reaches into furniture or walls, metres."""
     (west, north, east, south), length = leaf.swing, math.dist(leaf.hinge, leaf.tip)
     point = (*leaf.hinge, *leaf.hinge)
     hit = [
@@ -181,7 +181,7 @@ def _swept(leaf: Leaf, room: Box, pieces: list[Box]) -> float:
 
 
 def _in_reach(leaf: Leaf, points: np.ndarray) -> np.ndarray:
-    """Return for points (N, 2) of the square around a swing which ones the leaf sweeps over, shape (N,)."""
+    """Return a mask (N,) of the points (N, 2), in the square around a swing, that the leaf sweeps over."""
     return np.hypot(*(points - leaf.hinge).T) < math.dist(leaf.hinge, leaf.tip)
 
 

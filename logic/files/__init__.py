@@ -1,1 +1,1 @@
-"""House files and maps of ROS: read, written whole, and not overwritten by mistake."""
+"""House files and ROS maps: reading, writing as a whole, and protection against overwriting."""

@@ -203,8 +203,8 @@ def _lightness(pixels: np.ndarray, mode: str) -> tuple[np.ndarray, np.ndarray]:
 def _with_plain_head(file: BinaryIO) -> BinaryIO:
     """Return the file of a picture.
 
-    Raises ``ValueError`` for a head that Pillow would read for minutes: comments of a PGM byte by byte, and
-    each chunk of a PNG.
+    Raises ``ValueError`` for a header that Pillow would take minutes to read: a PGM with long comments, or a
+    PNG with very many chunks.
     """
     head = file.read(MAX_HEAD)
     if head.startswith(b"P") and not PGM.match(head):

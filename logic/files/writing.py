@@ -13,7 +13,7 @@ FILES = (
     *(".csv", ".gif", ".gz", ".html", ".json", ".jsonl", ".md", ".mp4", ".onnx", ".pdf", ".png"),
     *(".safetensors", ".svg", ".txt"),
 )
-"""Suffixes that no folder has."""
+"""Suffixes that mark a path as a file, not a folder."""
 
 
 def require_ending(path: str | Path, endings: Sequence[str]) -> None:
@@ -57,7 +57,7 @@ def _require_place(folder: Path, out: Path) -> None:
     """Raise ``RequestError`` if no file can be made in a folder, or in its nearest existing parent."""
     there = next(each for each in (folder.absolute(), *folder.absolute().parents) if each.exists())
     try:
-        TemporaryFile(dir=there).close()  # permissions do not tell on every file system
+        TemporaryFile(dir=there).close()  # the mode of a folder is not reliable on every file system
     except OSError as error:
         raise RequestError(f"--out {out}: cannot write to {there}: {error.strerror}") from None
 

@@ -92,7 +92,7 @@ def name_rooms(rooms: list[PlanRoom], brief: Brief) -> None:
 
 
 class BriefDraft:
-    """House by a brief at work.
+    """House by a brief, in progress.
 
     Undecided layouts become available again, to be decided thoroughly, after many of them or if no other
     layouts are left.

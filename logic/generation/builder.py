@@ -163,7 +163,7 @@ class Builder:
     def promises(self, request: HouseRequest, of_brief: Program | None = None) -> Promises:
         """Return the promises of the houses of a request.
 
-        ``of_brief`` is the program of a house by its brief, as no other program has the facts of the brief.
+        ``of_brief``: program of a house by its brief. No other program has the facts of the brief.
         """
         maker = self.maker_of(request)
         program = of_brief or maker.stated(request)

@@ -37,19 +37,19 @@ from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.request.own_plan import OwnPlan
 
 PATIENCE = 5
-"""Number of failures of rooms at sampled places of their doors, after which other places are searched."""
+"""Number of failures of rooms at sampled places of their doors before a search for better places begins."""
 
 ADVICE = "another seed, a larger room, less furniture, or doors and windows elsewhere"
 
 
 class DoorPlaces(Enum):
-    """Places of the doors of a room that failed."""
+    """Source of the places of the doors of a room that failed."""
 
     SAMPLED = "sampled"
     SEARCHED = "searched"
-    """Places that permit furniture are searched."""
+    """Search for places that permit the furniture."""
     UNKNOWN = "unknown"
-    """A search has reached its limit, so no other follows in this house."""
+    """Sampled again: a search reached its limit, so no other search follows in this house."""
 
 
 def given_plan_maker(grammar: Grammar, loaded: LoadedGrammar, plan: OwnPlan) -> Maker:
@@ -68,8 +68,8 @@ def given_plan_rules(
 ) -> tuple[PlanRules, OwnPlan]:
     """Return the rules of houses in a plan, and the plan within its walls.
 
-    Parts of the plan that the grammar's lengths forbid are among the rules, unless the rooms are
-    ``of_any_size``.
+    The rules include, as facts, the parts of the plan that violate the grammar's lengths, unless the rooms
+    are ``of_any_size``.
     """
     if loaded.has_area and loaded.outdoor:
         raise RequestError(f"plan: {OUTDOOR_AREA.format(grammar.name)}")
@@ -90,7 +90,7 @@ def given_plan_rules(
 
 
 class GivenPlanDraft:
-    """House in a plan at work."""
+    """House in a plan, in progress."""
 
     def __init__(self, draft: PlanDraft, plan: OwnPlan) -> None:
         """Begin without refuted rooms."""
@@ -136,7 +136,7 @@ class GivenPlanDraft:
             )
             for number, room in enumerate(self.plan.rooms)
         ]
-        # What the plan has stays in its place.
+        # The plan's own doors and windows stay in their places.
         outer = self._outer_doors(layout)
         loose = [atom for atom in layout if not (outer and atom.name == "garden")]
         plan = Plan(rooms, *openings(self.placer, self.plan, loose, self.work.seed()), wall_thickness=thick)

@@ -1,7 +1,7 @@
 """The loop of generation: sample a layout, place it, furnish it, and learn from what failed.
 
-A star, a plan of shared walls, a house by a brief, one in a given plan, a unit, and a building of units each
-fill in their ``Stages``. The stages of a building run the loop again for its units.
+Each kind of house has ``Stages`` of its own: a star, a plan of shared walls, a house by a brief, a house in a
+given plan, a unit, and a building of units. The stages of a building run the loop again for its units.
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -34,7 +34,7 @@ class Stages(NamedTuple, Generic[Sampled, Placed, Made]):
     furnish: Callable[[Sampled, Placed], Made]
     """Returns the furnished result. Raises a ``Failure`` for a room that cannot be furnished."""
     learn: Callable[[Sampled, Failure], Sampled | None]
-    """Excludes a failure from further layouts. Returns the next layout, or None to sample it.
+    """Excludes a failure from further layouts. Returns the next layout, or None to sample it again.
 
     Raises ``LimitReached`` after too many failures.
     """
@@ -85,7 +85,7 @@ class Maker:
     Raises ``NoLayout`` if there is provably none, ``OutOfInferences`` and ``LimitReached`` at limits.
     """
     stated: Callable[[HouseRequest], Program]
-    """Returns a program of houses of the request, whose facts are the grammar's."""
+    """Returns a program with the facts of the grammar for the request, from which promises follow."""
     of_units: Feasibility | None = None
     """Rules of the choice of units, for houses of units."""
 
@@ -99,13 +99,13 @@ class NoLayout(Exception):
 
     request: HouseRequest
     feasibility: Feasibility
-    """Rules to prove it by."""
+    """Rules by which to prove it."""
     unfurnishable: Collection[str] = ()
-    """Room types that have no furniture, at any size."""
+    """Room types that cannot be furnished at any size."""
     orders: Sequence[Mapping[Symbol, bool]] = ()
     """Orders of the rooms that do not fit between the fixed rooms."""
     refuted: Sequence[Refuted] = ()
-    """Rooms of the user's plan that have no furniture."""
+    """Rooms of the user's plan that cannot be furnished."""
 
 
 @dataclass

@@ -197,7 +197,7 @@ def _even_rows(program: Program) -> dict[str, tuple[str, ...]]:
 
 
 def _own(program: Program) -> Mapping[str, tuple[Any, ...]]:
-    """Return the values of the promises that the grammar states itself, by ``promise/2``, by name."""
+    """Return the promises that the grammar itself states by ``promise/2``: values by name."""
     found = defaultdict[str, tuple[Any, ...]](tuple)
     for name, value in sorted(tuple(map(_plain, fact.arguments)) for fact in program.facts("promise", 2)):
         found[str(name)] += (value,)
@@ -211,7 +211,7 @@ def _ends(range_: Iterable[float]) -> tuple[float, float]:
 
 
 def _only(program: Program, place: str) -> tuple[str, ...]:
-    """Return the piece types that stand at this place alone."""
+    """Return the piece types that stand only at this place."""
     return tuple(piece for piece, places in sorted(_pairs(program, "stands").items()) if places == [place])
 
 

@@ -60,7 +60,7 @@ R = TypeVar("R", bound=Rect)
 
 
 class Assumed(NamedTuple):
-    """Program of the rooms of a house, and the assumptions that hold and that do not."""
+    """Program of the rooms of a house, and the atoms that are assumed to hold and to fail."""
 
     program: Program
     holds: Sequence[Symbol]
@@ -94,7 +94,7 @@ class PlanRules:
     advice: str = LARGER
     """Advice for rooms that cannot be furnished."""
     rooms: str = "the rooms"
-    """Rooms in a message about undecided layouts."""
+    """Words for the rooms in a message about undecided layouts."""
     wider: str = WIDER
     """Advice for areas of rooms that cannot be decided."""
 
@@ -111,7 +111,7 @@ class PlanRules:
 
 
 class PlanDraft:
-    """Plan at work: its stages, and what their failures have taught."""
+    """Plan in progress: its stages, and the nogoods learned from their failures."""
 
     def __init__(self, rules: PlanRules, request: HouseRequest, work: Work, assumed: Assumed) -> None:
         """Begin without failures."""
@@ -121,7 +121,7 @@ class PlanDraft:
         self.undecided: list[Nogood] = []
         """Nogoods of layouts whose areas were neither found nor refuted."""
         self.unfurnishable: set[str] = set()
-        """Room types that have no furniture, at any size."""
+        """Room types that cannot be furnished at any size."""
         self.failures = 0
         """Number of plans with a room that cannot be furnished."""
 
@@ -197,7 +197,7 @@ class PlanDraft:
     def _learn_unfurnishable(self, failure: Unfurnishable) -> None:
         type_, account = failure.room.type, self.placer.account
         account.unfurnished(type_, failure.decided)
-        # Infeasible at this size and with these doors, or with one door at any size and then everywhere.
+        # The room failed at this size with these doors. If it fails at any size with one door, exclude it.
         account.at(PROOF, f"whether {article(type_)} can be furnished at any size")
         most = math.inf if failure.decided else MOST_REFUTED
         with suppress(TooMany):
@@ -226,7 +226,7 @@ def exact_areas_maker(grammar: Grammar, loaded: LoadedGrammar) -> Maker:
     """Return the generator of plans whose rooms may have any size that their areas allow.
 
     Other plans use a convex part of these sizes (``areas.pl``), which takes less time. If that part contains
-    no house, this generator searches all sizes, for a grammar without units and areas of several rooms.
+    no house, this generator searches all sizes. The grammar must not have units or areas of several rooms.
     """
     facts = wall_facts(*brief_lengths(loaded.placer, loaded.furniture, loaded.openings))
     feasibility = Feasibility(grammar, loaded.placer, loaded.lengths, facts, thorough=True)

@@ -47,9 +47,9 @@ def star_maker(loaded: LoadedGrammar, feasibility: Feasibility) -> Maker:
 
 
 class StarDraft:
-    """Star at work: its stages, and what their failures have taught.
+    """Star in progress: its stages, and the nogoods learned from their failures.
 
-    The proofs of infeasibility end with the house, so that no other house depends on them.
+    The nogoods are forgotten after the house, so that no other house depends on them.
     """
 
     def __init__(
@@ -63,7 +63,7 @@ class StarDraft:
         self.orders: list[Nogood] = []
         """Orders of the rooms that do not fit between the fixed rooms, at any sizes."""
         self.nogoods: dict[Program, list[Nogood]] = defaultdict(list)
-        """Atoms of which no layout of a program has all, or lacks all, as stated."""
+        """Truth values of atoms, by program: no layout has all of these values."""
         self.unfurnished = 0
         """Number of rooms without places for their furniture."""
         self.misfits = 0

@@ -17,7 +17,7 @@ from vitruvius.logic.language.loaded import LoadedGrammar
 
 NO_PLAN = (
     "a house of {rooms} rooms by this topology is not a valid plan: {fault}: rooms must fill the outline, "
-    "and the rooms between two lines, or court/2, must order the lines: see docs/plans.md"
+    "and a room between two lines, or court/2, must state which line comes first: see docs/plans.md"
 )
 
 OF_PLANS = ("rooms", "doors", "windows")

@@ -1,4 +1,4 @@
-"""Units of a house: what determines the rooms of each, and the sizes that no unit has."""
+"""Units of a house: the atoms on which the rooms of a unit depend, and the infeasible units."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
@@ -29,8 +29,8 @@ LIKENESS = {"unit": 2, "share": 3, "way": 3, "deep": 3, "inner": 2}
 class Unit:
     """Unit of a layout of units.
 
-    ``axis``: the axis of its depth (metres). ``public``: number of the room from which one enters it through
-    its side ``access``. ``inner``: its sides that are no outer walls.
+    ``axis``: the axis of its depth (metres). ``public``: number of the public room at its side ``access``,
+    from which the unit is entered. ``inner``: its sides that are not outer walls.
     """
 
     number: int
@@ -86,9 +86,9 @@ def is_of(atom: Symbol, unit: Unit) -> bool:
 
 
 def barred_units(programs: Programs, request: HouseRequest) -> dict[Symbol, HouseRequest]:
-    """Return the units of a house that are infeasible at all lengths: requirements ``barred``, and the units.
+    """Return the units of a house that are infeasible at all lengths, by the atoms that exclude them.
 
-    These are units with a number of rooms, and units with a number of rooms of one requested type.
+    A unit is given by its number of rooms, or also by its number of rooms of one requested type.
     """
     types, sizes = tuple(sorted(request.types)), programs.unit_sizes(request.rooms)
     return {atom: unit for size in sizes for atom, unit in _barred(programs, size, types)}

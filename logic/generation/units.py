@@ -1,4 +1,4 @@
-"""Houses of units, as buildings of flats: each unit is a separate plan, entered from a public room.
+"""Houses of units, such as buildings of flats: each unit is a separate plan, entered from a public room.
 
 The depths of units are sampled. The rules decide which units there are and where (the program ``units`` of a
 topology). Then come the rooms of each unit, which permit any length between two bounds. Therefore all units
@@ -65,7 +65,7 @@ class UnitMaking(NamedTuple):
 
 
 class UnitsMaking(NamedTuple):
-    """Origin of a house of units: as of a plan, and that of its units, in the order of their rooms."""
+    """Origin of a house of units: that of its plan, and those of its units in the order of their rooms."""
 
     program: Program
     layout: list[Symbol]
@@ -81,7 +81,7 @@ class Placed(NamedTuple):
 
 
 class UnitDraft:
-    """Unit at work: first ``measured``, then ``complete`` at its place."""
+    """Unit in progress: ``measure`` finds its range of lengths, ``complete`` furnishes it in its place."""
 
     def __init__(self, rules: PlanRules, unit: Unit, work: Work) -> None:
         """Begin without failures."""
@@ -99,7 +99,7 @@ class UnitDraft:
         return PlanDraft(self._rules, self.unit.request, self._work, self._assumed)
 
     def measure(self) -> None:
-        """Sample a layout, the first one of the rooms, and find the ``range`` of its length."""
+        """Sample the first layout of the rooms, and find the ``range`` of its length."""
         draft, unit, work = self._measuring, self.unit, self._work
 
         def sample() -> list[Symbol]:
@@ -109,7 +109,7 @@ class UnitDraft:
             return layout
 
         def place(layout: list[Symbol]) -> tuple[float, float]:
-            work.seed()  # A range needs no seed, but a house depends on all random numbers.
+            work.seed()  # Unused: sampled so that the random numbers after it stay the same.
             found = draft.placer.unit_range(layout, unit.axis, unit.depth, work.inferences)
             work.spend(found.inferences)
             return found.range
@@ -140,7 +140,7 @@ class UnitDraft:
 
 
 class UnitsDraft:
-    """House of units at work."""
+    """House of units, in progress."""
 
     def __init__(self, rules: PlanRules, choice: UnitsFeasibility, request: HouseRequest, work: Work) -> None:
         """Begin without failures. ``choice``: the rules of the choice of units."""
@@ -156,7 +156,7 @@ class UnitsDraft:
         self.depths = defaultdict[Symbol, float](lambda: float(self.work.rng.uniform(low, high)))
         """Depth of each group of units, metres, sampled at the first access."""
         self.refuted: list[Nogood] = []
-        """Layouts of units of which one has no rooms at its depth."""
+        """Nogoods of layouts in which the rooms of a unit do not fit at its depth."""
 
     def sample(self) -> list[Symbol]:
         """Sample a layout of units. Raises ``NoUnits`` if there is none at any depth."""
@@ -229,7 +229,7 @@ class UnitsDraft:
         return house, UnitsMaking(self.program, layout, makings)
 
     def learn(self, layout: list[Symbol], failure: Failure) -> None:
-        """Exclude a unit without rooms at its depth, or begin again with other depths."""
+        """Exclude a unit whose rooms do not fit at its depth, or begin again with other depths."""
         assert isinstance(failure, Impossible)
         if failure.unit:
             self.refuted += alike(self.program, failure.unit, layout)

@@ -188,7 +188,7 @@ def _require_map(house: Record) -> None:
     grid = house.occupancy
     if (grid is None) != (kind_of(house.topology) is not Kind.MAP):
         raise msgspec.ValidationError(
-            f"occupancy: only a house of the topology {MAP} may have it, and needs it"
+            f"occupancy: a house of the topology {MAP} needs it, and no other house may have it"
         )
     if grid is None:
         return

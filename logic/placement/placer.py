@@ -33,7 +33,7 @@ S = TypeVar("S", Plan, UnitRange)
 
 
 class Failure(Exception):
-    """Layout that cannot become a house: the next layouts learn from it (``logic.generation.loop``)."""
+    """Layout that cannot become a house. ``logic.generation.loop`` excludes similar layouts."""
 
 
 class Infeasible(Failure):

@@ -29,10 +29,10 @@ MAX_LAYOUTS = 12
 
 
 def moved_plan(builder: Builder, request: HouseRequest, seed: int) -> OwnPlan | None:
-    """Return the plan with its lines moved by the least sum over some layouts, or None if none has places.
+    """Return the plan with its lines moved as little as possible in total, or None if none fits.
 
-    Its rooms may have any size. Typical rules give way, including all typical lengths. Raises
-    ``Unsatisfiable`` if no lengths help.
+    Tries up to ``MAX_LAYOUTS`` layouts. Rooms may have any size. Typical rules give way, including all
+    typical lengths. Raises ``Unsatisfiable`` if no lengths help.
     """
     builder.maker_of(request)  # raises for a plan that the grammar cannot have
     rules = [*typical_lengths(builder.placer, builder.loaded.furniture).values()]

@@ -28,7 +28,7 @@ PLAIN = "plain"
 
 
 class Counted(TypedDict, total=False):
-    """Arguments of every function that takes a request, beside its rooms: ``generate`` describes them."""
+    """Arguments of every function that takes a request, except ``rooms``: see ``generate``."""
 
     types: Mapping[str, Count] | None
     furniture: Mapping[str, Count] | None
@@ -58,7 +58,7 @@ class Stated(Drawn, total=False):
 def house_request(rooms: int | tuple[int, int] | None = None, **stated: Unpack[Stated]) -> HouseRequest:
     """Return the request of the arguments of ``generate``, whose ``rooms`` may also be a range.
 
-    The houses of a range have each of its numbers of rooms in turn. Raises ``RequestError`` for a request
+    Houses of a range take its numbers of rooms in turn. Raises ``RequestError`` for a request
     that makes no sense, ``GrammarError`` if there is no such grammar.
     """
     source, grammar = stated.get("brief"), stated.get("grammar")
@@ -85,12 +85,12 @@ def house_request(rooms: int | tuple[int, int] | None = None, **stated: Unpack[S
         whole("inferences", stated.get("inferences", INFERENCES), 1),
         float(stated.get("seconds", SECONDS)),
     )
-    vars(made)["rules"] = rules  # found already
+    vars(made)["rules"] = rules  # so that they are not searched again
     return made
 
 
 def _plan_and_fixed(stated: Stated, rules: Grammar) -> tuple[OwnPlan | None, tuple[FixedRoom, ...]]:
-    """Return the plan, and the rooms of a star that are kept. Other rooms that are kept lie in the plan."""
+    """Return the plan, and the kept rooms of a star. Kept rooms of other houses are part of the plan."""
     plan, source, keep = None, stated.get("plan"), stated.get("keep")
     if source is not None:
         how = stated.get("plan_unit"), stated.get("snap", SNAP), stated.get("storey")

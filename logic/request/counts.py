@@ -20,7 +20,7 @@ MOST = 2**31 - 1
 
 
 def whole(name: str, value: Any, least: int, most: int = MOST) -> int:
-    """Return a whole number of any library as Python's.
+    """Return a whole number of any library as an ``int``.
 
     Raises ``RequestError`` for another value, and for a number outside ``least`` to ``most``.
     """
@@ -79,5 +79,5 @@ def _is_pair(count: Any) -> bool:
 
 
 def counts(ranges: Mapping[str, Range]) -> dict[str, Any]:
-    """Return ranges in their JSON form: exact numbers as such, others as lists."""
+    """Return ranges in their JSON form: an exact number as a number, any other range as a list."""
     return {name: least if least == most else [least, most] for name, (least, most) in ranges.items()}

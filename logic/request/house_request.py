@@ -44,9 +44,9 @@ class Record(msgspec.Struct, forbid_unknown_fields=True):
 class HouseRequest(msgspec.Struct, frozen=True, dict=True, forbid_unknown_fields=True):
     """Houses that a user wants: all that they depend on, apart from seed and index.
 
-    Raises ``RequestError`` for a request that makes no sense with any rules. ``furniture`` gives numbers of
-    pieces in each room that may have them (``bed``) or in rooms of one type (``bedroom.bed``). If both are
-    given, both hold.
+    ``types`` gives numbers of rooms of a type. ``furniture`` gives numbers of pieces in each room that may
+    have them (``bed``) or in rooms of one type (``bedroom.bed``). If both are given, both hold. Raises
+    ``RequestError`` for a request that makes no sense with any rules.
     """
 
     rooms: int
@@ -111,9 +111,9 @@ class HouseRequest(msgspec.Struct, frozen=True, dict=True, forbid_unknown_fields
 
     @classmethod
     def read(cls, record: Mapping[str, Any], **others: Any) -> "HouseRequest":
-        """Return the request of a JSON form, which may come from a file, and of the ``others`` of its fields.
+        """Return the request of a JSON form. Raises ``RequestError`` for an invalid form.
 
-        Raises ``RequestError`` for an invalid form.
+        ``others``: the fields that the form lacks, by name.
         """
         try:
             found = msgspec.convert(record, Record)
@@ -135,9 +135,9 @@ class HouseRequest(msgspec.Struct, frozen=True, dict=True, forbid_unknown_fields
             raise RequestError(f"request: {str(error)[0].lower()}{str(error)[1:]}") from None
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the JSON form in files, with exact numbers as such and ranges as lists.
+        """Return the JSON form in files, with an exact number as a number and a range as a list.
 
-        It has neither the grammar nor the limits, which a file states beside it.
+        The form has neither the grammar nor the limits: a file states them separately.
         """
         rooms = self.rooms if self.most_rooms is None else [self.rooms, self.most_rooms]
         record: dict[str, Any] = {"rooms": rooms, "types": counts(self.types)}
@@ -171,7 +171,7 @@ class HouseRequest(msgspec.Struct, frozen=True, dict=True, forbid_unknown_fields
     def at(self, index: int) -> "HouseRequest":
         """Return the request of house ``index``.
 
-        The numbers of a range follow each other from house to house, from the least on.
+        Houses of a range take its numbers of rooms in turn, beginning with the least.
         """
         if self.most_rooms is None:
             return self
@@ -224,7 +224,7 @@ def ranges_of(noun: str, counts: Mapping[str, Any] | None) -> dict[str, Range]:
 
 
 def range_of(rooms: Any) -> tuple[int, int | None]:
-    """Return the least and the greatest number of rooms, or None instead of an equal one.
+    """Return the least and the greatest number of rooms; None for the greatest if both are equal.
 
     Raises ``RequestError`` for numbers that no house has.
     """

@@ -15,7 +15,7 @@ MAX_OVERLAP_M = 0.05
 """Greatest overlap of two rooms that count as side by side, metres."""
 
 THIN_WALL_M, MIN_FACING_M = 0.2, 0.1
-"""Metres: the two faces of a wall thicker than the first must be opposite each other over the second."""
+"""Thickness above which the two faces of a wall must face each other, and over which length, metres."""
 
 
 Places = dict[float, float]

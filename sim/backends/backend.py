@@ -75,10 +75,10 @@ class Backend(Protocol):
     ``stands``, ``move``, ``see`` and ``prefetch`` are ``ti.func``s. Their arguments are a bank's ``numbers``
     and ``indices``, and the number of a house in the bank.
 
-    If bodies move continuously (``Config.drives``), an origin is the place of the body, and its heading in
-    radians has the place of ``cell``. Then there is also ``drive(numbers, indices, house, origin, heading,
-    speeds, action, shares)``, whose action is a number or the speeds of a command. It returns origin,
-    heading, speeds and ``blocked``. ``move`` and ``stands`` are called only for places of lattices.
+    If bodies move continuously (``Config.drives``), an origin is the place of the body, and ``cell`` is its
+    heading in radians. Then there is also ``drive(numbers, indices, house, origin, heading, speeds, action,
+    shares)``, whose action is a number or the speeds of a command. It returns origin, heading, speeds and
+    ``blocked``. ``move`` and ``stands`` are called only for places of lattices.
     """
 
     config: Config

@@ -47,17 +47,17 @@ def end_of(indices: ti.template(), block, k):
 
 @ti.func
 def put(words: ti.template(), first, k, number):
-    """Write the k-th number of 16 bits, counted from a word on, where the bits are 0."""
+    """Write the k-th number of 16 bits after the start of a word. Its bits must be 0."""
     words[first + (k >> 1)] |= number << ((k & 1) << 4)
 
 
 @ti.func
 def mark(words: ti.template(), first, k):
-    """Set the k-th bit, counted from a word on."""
+    """Set the k-th bit after the start of a word."""
     words[first + k // 32] |= 1 << (k & 31)
 
 
 @ti.func
 def marked(words: ti.template(), first, k):
-    """Return the k-th bit, counted from a word on."""
+    """Return the k-th bit after the start of a word."""
     return words[first + k // 32] >> (k & 31) & 1

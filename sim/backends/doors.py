@@ -39,14 +39,14 @@ def doorways(shapes: Sequence[Geometry]) -> np.ndarray:
 class Doors:
     """Doors for the poses and rays of a configuration: an ``Overlay``.
 
-    A door is its number in its house. ``doors`` is a record of kernels' arrays that has ``ROWS``.
+    Functions take a door as its number in its house. ``doors`` is a record of arrays that has ``ROWS``.
     """
 
     ROWS: ClassVar[tuple[ArrayRow, ...]] = (
         ArrayRow(
             "doorways", ti.f32, ("n",), unit="m",
-            meaning="largest number of doors of a house, at least 1; for each house so many doors (west, "
-            "north, east, south), NaN for none",
+            meaning="largest number of doors of a house, at least 1; then this number of boxes for each "
+            "house (west, north, east, south), NaN where it has fewer doors",
             written="packing", read="doors",
         ),
         ArrayRow(
@@ -102,7 +102,7 @@ class Doors:
 
     @ti.func
     def advance(self, world: ti.template(), e, state, met):
-        """Push a closed met for one step: see ``Overlay``."""
+        """Push the closed door ``met`` for one step: see ``Overlay``."""
         if met >= 0:
             at = e * self.count(world) + met
             world.pushes[at] = ti.cast(ti.cast(world.pushes[at], ti.i32) + 1, ti.u8)

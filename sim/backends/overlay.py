@@ -1,9 +1,9 @@
 """Interface of an overlay: things that lie over the houses of a backend and change during an episode.
 
 A backend's houses never change. Over them lie doors that bodies push open (``sim.backends.doors``), and
-whatever else moves. An overlay is met, seen, pushed, drawn and saved. Episodes, sensors and states use all
-overlays alike, and none knows which one it has. An overlay works with every backend whose bodies and rays it
-understands.
+whatever else moves. Bodies meet and push the things of an overlay, rays end on them, pictures show them, and
+states save them. Episodes, sensors and states use all overlays alike, without code for any one of them. An
+overlay works with every backend whose bodies and rays it understands.
 
 An environment's step uses an overlay in this order:
 
@@ -37,7 +37,7 @@ class Overlay(Protocol):
     """Arrays of the overlay: see ``sim.world.arrays``. Those that are ``saved`` belong to the state."""
 
     KIND: ClassVar[int]
-    """Kind of its things for rays and for ``Now.bumped``: see ``sim.backends.backend``."""
+    """Code of its things in rays and in ``Now.bumped``: see ``sim.backends.backend``."""
 
     COLUMN: ClassVar[str]
     """Name of the column of ``Config.columns`` that is 1 for a ray that ends on a thing, if there is one."""
@@ -53,7 +53,7 @@ class Overlay(Protocol):
 
     @staticmethod
     def check(knows_distance: bool) -> None:
-        """Raise ``ValueError`` if the overlay cannot go with the distance to the target."""
+        """Raise ``ValueError`` if the overlay does not support the distance to the target."""
         ...
 
     @staticmethod

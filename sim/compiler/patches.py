@@ -48,8 +48,8 @@ def untested(version: tuple[int, ...]) -> str:
     """Return the warning for a version of Taichi."""
     ours, tested = (".".join(map(str, each)) for each in (version, TESTED[-1]))
     return (
-        f"Taichi is {ours}: its internals are patched, which was tested with {tested}. If kernels fail to "
-        f"compile, set {SWITCH}=off, or install taichi=={tested}"
+        f"Taichi is {ours}: Vitruvius patches its internals, and the patches were tested only with {tested}. "
+        f"If kernels fail to compile, set {SWITCH}=off, or install taichi=={tested}"
     )
 
 

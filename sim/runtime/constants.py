@@ -1,4 +1,4 @@
-"""Tables of constants that kernels read: fields of the compiler, of which a process has few."""
+"""Tables of constants that kernels read: fields of the compiler, whose number in a process is limited."""
 
 from collections import Counter
 from functools import cache
@@ -15,7 +15,7 @@ MOST_FIELDS = 500
 """Largest number of fields of a process. Taichi has room for 512, and crashes at the next one."""
 
 _fields = Counter[Any]()
-"""Number of fields of each program."""
+"""Number of fields that each program of the compiler has allocated."""
 
 
 def constants(values: np.ndarray) -> Any:

@@ -98,7 +98,7 @@ def _begin(arch: Any, threads: int | None) -> None:
     options |= {"offline_cache": KEEPS_KERNELS, "offline_cache_max_size_of_files": 1 << 30}
     if threads is not None:
         options["cpu_max_num_threads"] = threads
-    if not KEEPS_KERNELS:  # Taichi aborts at exit if it cannot create its folder: / exists
+    if not KEEPS_KERNELS:  # Taichi aborts at exit if it cannot create its folder, and / exists
         options["offline_cache_file_path"] = os.path.abspath(os.sep)
     if KEEPS_KERNELS:
         drop_stale_lock(Path(impl.default_cfg().offline_cache_file_path))
@@ -107,7 +107,7 @@ def _begin(arch: Any, threads: int | None) -> None:
         ti.init(**options)
     # Taichi stores kernels as its program ends, which the order in which Python clears modules may prevent.
     atexit.register(ti.reset)
-    # This thread alone can do so. Then other threads can compile and launch before any field exists.
+    # Only this thread can materialize. Then other threads can compile and launch before any field exists.
     impl.get_runtime().materialize()
     spread(sorted(threads_now() - before), threads)
 

@@ -26,7 +26,7 @@ HEADING = 4
 
 
 SIZES = {
-    "n": "a length that the houses decide, or the search for distances",
+    "n": "a length that depends on the houses, or on the search for distances",
     "E": "environments",
     "R": "rays",
     "C": "columns of a ray; of two columns, both are one number of 64 bits",
@@ -80,7 +80,7 @@ BANK = (
     ),
     ArrayRow(
         "indices", ti.i32, ("n",),
-        meaning="where a house's numbers are, in the same layout", written="packing", read="backend",
+        meaning="position of each house in `numbers`, in the same layout", written="packing", read="backend",
     ),
     ArrayRow(
         "places", ti.i32, ("n",),
@@ -123,7 +123,7 @@ STATE = (
         written="reset, step", read="terms, sensor, infos", asked=_memory, saved=True,
     ),
     ArrayRow(
-        "rooms", ti.i32, ("E",), meaning="the last room, where the search for the next one begins",
+        "rooms", ti.i32, ("E",), meaning="the body's last room, where the search for its room begins",
         written="step", read="step", asked=lambda kind: kind.sees_room,
     ),
     ArrayRow(

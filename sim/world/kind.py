@@ -1,4 +1,4 @@
-"""Kinds of worlds: all that kernels and arrays depend on but houses and the number of environments."""
+"""Kinds of worlds: all that kernels and arrays depend on, except houses and the number of environments."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -62,7 +62,7 @@ class WorldKind:
     """Behaviour after an episode's end."""
 
     by_ray: bool = False
-    """True for one task for each environment and ray in place of one for each environment, as on a GPU."""
+    """True if a kernel has a parallel task for each ray, as on a GPU; otherwise for each environment."""
 
     serial: bool = False
     """True if kernels run in the calling thread, because waking other threads takes longer than stepping a

@@ -109,7 +109,7 @@ class Phases:
 
     @ti.func
     def part(self, world: ti.template(), e, state):
-        """Part the results of an episode's last step from those of the next episode, in ``SAME_STEP``.
+        """Separate the results of an episode's last step from those of the next episode, in ``SAME_STEP``.
 
         The state, the distance, the targets and the numbers are kept in the arrays ``last`` and ``final``.
         """

@@ -350,7 +350,7 @@ class World:
         return np.array([np.pad(row, (0, most - len(row))) for row in found])
 
     def drawn(self, e: int) -> np.ndarray:
-        """Return boxes (n, 4) of all that lies over the house of an environment: west, north, east, south."""
+        """Return boxes (n, 4) of the things of all overlays of an environment: west, north, east, south."""
         house, shapes, arrays = self.arrays["wholes"].numpy()[:, HOUSE], self.bank.geometries, self.state
         boxes = [overlay.drawn(self.config, arrays, shapes, house)[e] for overlay in self.kind.overlays]
         return np.concatenate([np.zeros((0, 4)), *boxes])

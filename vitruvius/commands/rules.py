@@ -134,7 +134,7 @@ class Explain:
         asked |= {"--brief": self.brief, "--plan": self.plan}
         if given := [option for option, value in asked.items() if value]:
             raise RequestError(
-                f"{' and '.join(given)}: these options describe a request: leave out them, or {file}"
+                f"{' and '.join(given)}: these options describe a request: give them or {file}, not both"
             )
         if self.why is None:
             raise RequestError(

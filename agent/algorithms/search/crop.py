@@ -67,7 +67,7 @@ def spans(maps: ViewMaps) -> Tensor:
 
 
 def box(maps: ViewMaps) -> Box:
-    """Return the smallest parts of these windows that have all seen ground and ``MARGIN_PLACES``."""
+    """Return the smallest part of the windows with all seen ground and ``MARGIN_PLACES`` around it."""
     first, last = spans(maps).unbind(2)
     high, wide = (UNIT_PLACES * -(-int(size) // UNIT_PLACES) for size in (last - first).amax(0))
     south, east = torch.minimum(first, torch.tensor([PLACES - high, PLACES - wide])).T.tolist()

@@ -13,9 +13,9 @@ from vitruvius.sim.config import Config
 
 
 class DrivingExplorer:
-    """Policy that drives by its map to the target that was seen, or else to the next best view.
+    """Policy with a map, which drives to a target that it has seen, or else to the next best view.
 
-    An ``Explorer`` turns its planner's advice into allowed actions of a lattice. This class steers by it.
+    This class steers along its planner's course. An ``Explorer`` is the same policy for actions on a lattice.
     """
 
     interventions = 0

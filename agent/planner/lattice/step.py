@@ -13,8 +13,8 @@ from vitruvius.agent.planner.step import SKIPPED, Step
 from vitruvius.sim.runtime import Bytes, Floats, Ints, Longs, kernel, ti
 
 DOOR_WITHIN_STEPS = 1.5
-"""Distance of a closed door, in free steps, within which the body is before it. A body that pushes a door
-stands within a step of it; the rays that meet the door at an angle are longer."""
+"""Distance to a closed door, in free steps, within which the body counts as standing at the door. A body that
+pushes a door stands within one step of it, but rays that meet the door at an angle are longer."""
 
 SweptRay = ti.types.struct(
     kind=ti.i32,  # of the ray's end, -1 before the first ray
@@ -43,8 +43,7 @@ class LatticeStep(Step):
              action, blocked, fresh):  # fmt: skip
         """Return the state after an action, and 1 if an episode or a new map begins here.
 
-        In a ``fresh`` episode the map is cleared. So is a map that turns out to lie at 45 degrees to the
-        walls.
+        The map is cleared in a ``fresh`` episode, and also if it turns out to lie at 45 degrees to the walls.
         """
         diagonal = -1
         done = 1
@@ -65,7 +64,7 @@ class LatticeStep(Step):
         if (fresh == 1) | (state.aligned == 0):
             diagonal = self.scan.diagonal(tables, observation, e)
             if (diagonal >= 0) & (diagonal != state.heading & 1):
-                # Before the first wall, the map took everything for what lies 45 degrees aside.
+                # Until it saw a wall, the planner kept the map at 45 degrees to the walls.
                 fresh = 1
         if fresh:
             state = self.begin(memory, state, base, ti.max(diagonal, 0))

@@ -13,11 +13,12 @@
 
 %!  promised_metres(+Names, +Types, +Pieces, -Json) is det.
 %
-%   Json gives [Name,Metres] of the lengths of these Names; [Type,Least,Most] of the `areas` of rooms of these Types, square metres, of
-%   those that are stated, and the same of `wholes` with their parts; the `total` area of the house, [Least,Most] or null; [Type,Metres] of
-%   the free squares; [Piece,Along,Out] of `shares`, of Pieces whose sides depend on those of the room (piece_shares/3); [Type,Other,Metres] of `doors`; the thickness of `walls`, [Inner,Outer] or null. Relations of two lengths
-%   are rows/2 of linear.pl, with the first length as variable 0: all rows of the width and the depth of the `house`, and [Name,Rows] of
-%   the width and the depth of `rooms` and of the length and the depth of Pieces.
+%   Json gives [Name,Metres] of the lengths of these Names; [Type,Least,Most] of the stated `areas` of rooms of these Types, in square
+%   metres, and the same of `wholes` with their parts; the `total` area of the house, [Least,Most] or null; [Type,Metres] of the free
+%   squares; [Piece,Along,Out] of `shares`, of Pieces whose sides depend on those of the room (piece_shares/3); [Type,Other,Metres] of
+%   `doors`; the thickness of `walls`, [Inner,Outer] or null. Relations of two lengths are rows/2 of linear.pl, with the first length as
+%   variable 0: all rows of the width and the depth of the `house`, and [Name,Rows] of the width and the depth of `rooms` and of the
+%   length and the depth of Pieces.
 
 promised_metres(Names, Types, Pieces, Json) :-
     findall([N,M], ( member(N, Names), once(stated_length(N, M)) ), Lengths),

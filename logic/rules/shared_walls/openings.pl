@@ -206,7 +206,7 @@ joins(Atoms, Doors) :-
 outer_way(entrance(R,Side), R, Side).
 outer_way(garden(R,Side),   R, Side).
 
-%   doors_sample(+Joins, +Atoms, +Rooms, +Before, -Doors)//: those Before have their places.
+%   doors_sample(+Joins, +Atoms, +Rooms, +Before, -Doors)//: the doors Before are already placed.
 
 doors_sample([], _, _, _, []) --> [].
 doors_sample([Join|Joins], Atoms, Rooms, Before, [Door|Doors]) -->
@@ -229,7 +229,7 @@ door_sample(Way, Atoms, Rooms, Before, door(Box,R,outside)) -->
 %!  joint_sample(+Rooms, +Atoms, +Types, +Wall, +Part, +Before, -Door)// is det.
 %
 %   The door between two rooms R-Q of these types, or opening(Box,R,Q) where they are open to each other, in the Part From-To of
-%   the Wall Axis-At that they share; all of it, where R is a part of Q. Doors Before have their places.
+%   the Wall Axis-At that they share; all of it, where R is a part of Q. The doors Before are already placed.
 
 joint_sample(R-Q, Atoms, _, Axis-At, From-To, _, opening(Box,R,Q)) -->
     { memberchk(part_of(R,Q), Atoms), !, Wall is To - From, segment(Axis, At, From, Wall, Box) }.
@@ -261,8 +261,8 @@ side_place(south, sides(_,_,_,Y),  1, Y).
 segment(x, Y, X, Length, box(X,Y,Length,0.0)).
 segment(y, X, Y, Length, box(X,Y,0.0,Length)).
 
-%   wall_range(+Room, +Side, +Rooms, +Part, +Length, +Margin, -Wall, -Range): where something so long starts along this part of the
-%   Wall Axis-At, so far from its ends.
+%   wall_range(+Room, +Side, +Rooms, +Part, +Length, +Margin, -Wall, -Range): where an opening of this Length starts along this Part of
+%   the Wall Axis-At, at least Margin from its ends.
 
 wall_range(R, Side, Rooms, A1-A2, Length, Margin, Axis-At, Low-High) :-
     memberchk(room(R,_,Sides,_), Rooms), wall_place(Side, Sides, At), side_axis(Side, Axis),

@@ -120,7 +120,7 @@ own_openings(Atoms, Types, Walls, Seed, Json) :-
     answer_record(plan([],Doors,Windows), Record),
     as_json(Record, Json).
 
-%   openings_sample(+Openings, +Known, +Walls, +Before, -Boxes)//: those Before have their places.
+%   openings_sample(+Openings, +Known, +Walls, +Before, -Boxes)//: the openings Before are already placed.
 
 openings_sample([], _, _, _, []) --> [].
 openings_sample([A|As], Known, Walls, Before, [Opening|Openings]) -->

@@ -13,12 +13,12 @@ its squares meet those of no other door, if its wall has such a place.
 
 :- meta_predicate clear_doors(3, -, +, -).
 
-% So often are all doors placed again, where the first ones leave no place to a later one.
+% Number of times that all doors are placed again if the first ones leave no place for a later one.
 tries(9).
 
 %!  clear_doors(:Sample, -Doors)// is det.
 %
-%   Doors are those that Sample places, whose squares meet no other's where a few tries find such places.
+%   Sample places the Doors. Their squares do not meet if one of a few tries finds such places.
 
 clear_doors(Sample, Doors, S0, S) :-
     tries(Tries),
@@ -40,7 +40,7 @@ placed(box(X,Y,_,L), y-X, L, Y).
 
 %!  start_sample(+Wall, +Length, +Range, +Doors, -Start)// is det.
 %
-%   Start is in the Range, where a door of this Length begins along the Wall, Axis-At. Doors are those that have their places.
+%   Start is the place in the Range where a door of this Length begins along the Wall, Axis-At. Doors are the doors already placed.
 
 start_sample(Wall, Length, Low-High, Doors, Start) -->
     interval_sample(Low, High, 1, First),
@@ -66,11 +66,11 @@ squares(box(X,Y,L,W), x, X, X2, Y1, Y2) :- W =:= 0, !, X2 is X + L, reach(L, Out
 squares(box(X,Y,_,L), x, X1, X2, Y, Y2) :- reach(L, Out), X1 is X - Out, X2 is X + Out, Y2 is Y + L.
 squares(box(X,Y,L,W), y, A1, A2, B1, B2) :- squares(box(Y,X,W,L), x, A1, A2, B1, B2).
 
-%   reach(+Length, -Out): from the middle of its wall.
+%   reach(+Length, -Out): the squares of a door of this Length reach Out from the middle of its wall.
 
 reach(Length, Out) :- length_of(inner_wall, T), Out is Length + T/2.
 
-%   cut(+Barred, +Ranges, -Parts): of the Ranges, without the inside of what is barred.
+%   cut(+Barred, +Ranges, -Parts): Parts are the Ranges without the inside of the Barred range.
 
 cut(Low-High, Ranges, Parts) :- foldl(cut_one(Low-High), Ranges, Parts, []).
 

@@ -78,7 +78,7 @@ thoroughly_placed(Atoms, Answer) -->
     thoroughly_decided(Lines, Rooms, System, Items, Found),
     thorough_answer(Found, Atoms, Rooms, System, Items, Answer).
 
-%   thorough_answer(+Found, ...)//: where the search was open, any constraint and any item may be a reason.
+%   thorough_answer(+Found, ...)//: if the search found no answer, any constraint and any item may be a reason.
 
 thorough_answer(open, _, _, System, Items, open(Reasons)) --> !,
     { findall(_-Why, ( member(_-Why, System) ; member(item(_,_,_,Why,_,_), Items) ), All),
@@ -138,7 +138,7 @@ chosen_step(Items, Step) :- member(Item, Items), item_range(Item, from(_,Low)-up
 
 %!  whole_system(+Atoms, +Given, -Plan, -System) is det.
 %
-%   As wall_system/4, with what is known of areas that are sums (totals.pl).
+%   As wall_system/4, with constraints on areas that are sums (totals.pl).
 
 whole_system(Atoms, Given, Plan, System) :-
     wall_system(Atoms, Given, Plan, Walls),
@@ -199,7 +199,7 @@ outline_box(Places, T, box(West,East,North,South)) :-
 whole_size([], box(West,East,North,South), _, _, Constraints) :- !, house_system(East-West, South-North, Constraints).
 whole_size(Units, _, Given, Atoms, Constraints)               :- unit_sizes(Given, Atoms, Units, Constraints).
 
-%   rooms_within(+Atoms, +Box, +Rooms, +Constraints, -More): where the atom `bounded` says so, all rooms lie within the outline.
+%   rooms_within(+Atoms, +Box, +Rooms, +Constraints, -More): if `bounded` is among the Atoms, all rooms lie within the outline.
 
 rooms_within(Atoms, Box, Rooms, Constraints, More) :-
     (   memberchk(bounded, Atoms)
@@ -216,7 +216,7 @@ court_between(Places, court(L,M), Constraints, [(X+Apart =< Y)-[court(L,M)]|Cons
     in_unit(0.5, Least), maplist(length_of, [inner_wall,outer_wall], [Inner,Outer]), Apart is Least + 2*Outer - Inner.
 court_between(_, _, Constraints, Constraints).
 
-%   lines_given(+Given, +Places): the Given faces of walls say where their lines are.
+%   lines_given(+Given, +Places): the lines of the Given faces of walls have the places of these faces.
 
 lines_given([], _).
 lines_given([at(Line,Face)|Given], Places) :- !,

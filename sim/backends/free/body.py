@@ -2,7 +2,7 @@
 
 ``origin`` is the disc's place in metres, ``cell`` its heading in radians, in [0, 2 pi), counter-clockwise
 from east. ``speeds`` are the numbers of a command: forward speed (m/s) and turn rate (rad/s), or forward
-speed, speed to the left and turn rate. Surveys count places of a lattice through a place by cells (i, j, 0).
+speed, speed to the left and turn rate. Surveys use a lattice through a place, with cells (i, j, 0).
 """
 
 import math

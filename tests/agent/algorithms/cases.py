@@ -1,8 +1,8 @@
 """Cases of each algorithm of the table: its folder here states them in ``cases.py``.
 
-``SMALL`` has configs of runs of seconds, by name. ``WRONG`` has values that no run can have: a field with its
-value, or the field that is named with several values. ``QUICK`` has the changes with which a preset learns
-something in the record of agents; without it there are none.
+``SMALL`` has configs of runs that take seconds, by name. ``WRONG`` has invalid values: the name of the field
+that the error names, and its value or a mapping of several fields to values. ``QUICK``, if there is one, has
+the changes of a preset for the golden record of agents, in which it must learn something.
 """
 
 from importlib import import_module

@@ -140,7 +140,7 @@ def test_a_shard_that_is_something_else_is_refused_and_stays(
     torn = content(copy)
     assert made(copy) == 2
     [line] = capsys.readouterr().err.splitlines()
-    assert "train-00001-of-00003.parquet does not hold its shard" in line
+    assert "train-00001-of-00003.parquet is not the shard of this set" in line
     assert content(copy) == torn
     assert made(copy, "--replace") == 0
     assert content(copy) == content(whole)

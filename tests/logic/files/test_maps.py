@@ -347,8 +347,8 @@ CHANGES: dict[str, tuple[Callable[[dict[str, Any]], Any], str]] = {
     "longer bomb": (lambda house: house["occupancy"]["rows"].append("9" * 99 + "."), "row 2 is not a row"),
     "shut": (lambda house: house["occupancy"].update(rows=["3#", "3?"]), "no free cell"),
     "cell": (lambda house: house["occupancy"].update(cell=0), "cells are 0.0 m wide"),
-    "topology": (lambda house: house.update(topology="ring"), "only a house of the topology map may have it"),
-    "no cells": (lambda house: house.pop("occupancy"), "only a house of the topology map may have it"),
+    "topology": (lambda house: house.update(topology="ring"), "a house of the topology map needs it, and no"),
+    "no cells": (lambda house: house.pop("occupancy"), "a house of the topology map needs it, and no"),
     "door": (
         lambda house: house["doors"].append({"between": ["map", "outside"], **SEGMENT}),
         "a map has none",

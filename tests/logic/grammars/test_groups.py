@@ -40,15 +40,15 @@ def test_coffee_tables_and_televisions_stand_with_a_sofa(counts: Counter[str]) -
 
 
 def test_large_living_rooms_are_not_empty_in_the_middle(counts: Counter[str]) -> None:
-    # Without tea tables 17 of 66 were, in 172 homes of 8 to 14 rooms.
+    # Without tea tables, 17 of 66 were empty, in 172 homes of 8 to 14 rooms.
     assert counts["large living rooms with an empty square of 3.0 m"] == 0
 
 
 def test_leaves_of_doors_swing_over_nothing(counts: Counter[str]) -> None:
-    # Before doors kept apart, 23 of 474 in 52 homes swung over each other: 2.6 of these.
+    # Before rules kept doors apart, 23 of 474 doors in 52 homes swung over each other.
     assert counts["doors that swing over furniture or each other"] == 0
 
 
 def test_most_windows_are_of_an_eighth_of_the_floor(counts: Counter[str]) -> None:
-    # Of five rooms a home: with narrower windows there were 2.6 in each.
+    # With narrower windows there were 2.6 in each home, of five rooms.
     assert counts["rooms with windows of less than an eighth of the floor"] <= 1.5 * HOMES

@@ -143,9 +143,9 @@ RELATIONS = {
 OF_OTHERS = {"room_gap", "public", "courts", "even_rows"}
 """Promises of stars, of houses of units, of dissections and of rooms with rows in the middle."""
 UNSTATED = {"narrowest", "tops"}
-"""Promises that no grammar states, but old houses and standards: sizes and relations say more."""
+"""Promises of old houses and of standards only. Grammars promise sizes and relations instead."""
 CHANGED = {"opens", "free_foot"}
-"""Promises of which home has others today."""
+"""Promises of home that have changed since."""
 
 
 def test_all_that_a_grammar_states_together_is_promised(tmp_path: Path) -> None:

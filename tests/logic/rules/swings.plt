@@ -7,7 +7,7 @@
 
 :- begin_tests(swings).
 
-%   starts(+Range, +Doors, -Least, -Most): a door of 1 m in a Range of the wall y = 0 starts so with many random numbers.
+%   starts(+Range, +Doors, -Least, -Most): 200 doors of 1 m in a Range of the wall y = 0 start between Least and Most.
 
 starts(Range, Doors, Least, Most) :-
     findall(Start, ( between(1, 200, Seed), start_sample(x-0.0, 1.0, Range, Doors, Start, Seed, _) ), Starts),

@@ -112,7 +112,7 @@ def test_landlock_alone_keeps_files_programs_and_connections(scene: Scene) -> No
 
 
 def test_unconfined_these_attempts_succeed(scene: Scene) -> None:
-    """The measures, then, refuse them."""
+    """The confinement is therefore the reason for the refusals in the other tests."""
     _, refused = scene.tried()
     # The first depends on the file system, the second on permissions to trace.
     assert refused <= {"make a file without a name", "trace another process"}

@@ -144,7 +144,7 @@ if __name__ == "__main__":
 """
 
 
-@pytest.mark.second_part("processes import all anew")
+@pytest.mark.second_part("each process imports the package")
 @pytest.mark.skipif(sys.platform == "darwin", reason="processes are not forked there")
 def test_processes_are_forked_or_spawned_and_a_missing_gpu_changes_nothing(tmp_path) -> None:
     """Errors appear in the parent: a missing GPU, and a fork of a process in which Taichi runs."""

@@ -112,17 +112,17 @@ export function doorLeaves(house, pieces) {
   return leaves.chosen;
 }
 
-/** How many other doors, one in the way of the next, may change their leaves for a door; how many attempts at that a house has; and
- * of how many swings near a leaf circles are compared, by points of a unit square; of more, the squares around them. */
+/** Bounds: other doors whose leaves move, one out of the way of the next, for the leaf of a door; attempts at that in a house; swings
+ * near a leaf whose quarter circles are compared, by points of a unit square. Of more swings, the squares are compared. */
 const MAX_MOVED = 3, MAX_SETTLED = 300, MAX_NEAR = 8;
 const POINTS = Array.from({ length: 144 }, (_, n) => [((n % 12) + 0.5) / 12, (Math.floor(n / 12) + 0.5) / 12]);
 
-/** The leaves of the doors so far, each one of the ways of its door. */
+/** Leaves that are chosen so far, one of the possible leaves of each door. */
 class Leaves {
   chosen = [];
-  free = []; // ways of each door over no furniture and no walls
+  free = []; // leaves of each door over no furniture and no walls
   attempts = 0;
-  before = []; // changes, each the number of a door and its leaf before
+  before = []; // changes to undo: a door and its previous leaf
 
   add(ways, depths) {
     const number = this.chosen.length;
@@ -134,7 +134,7 @@ class Leaves {
     [[, this.chosen[number]]] = ways.map((leaf, way) => [[depths[way], sum(leaf)], leaf]).sort(([one], [other]) => byFirst(one, other));
   }
 
-  /** Let the leaf of a door cross no other, or return false. Those that are settled stay. */
+  /** Choose a leaf of a door that crosses no other, or return false. Doors that are settled stay. */
   settle(number, wanted, others) {
     const mark = this.before.length, settled = [...others, number];
     this.attempts += Number(wanted > 0);
@@ -154,7 +154,7 @@ class Leaves {
     return false;
   }
 
-  /** The doors whose swings a leaf of a door would cross, and the areas. */
+  /** The doors whose swings a leaf of a door would cross, and the shared areas. */
   crossed(number, leaf) {
     const around = swing(leaf);
     const near = this.chosen.flatMap((each, other) => {
@@ -209,7 +209,7 @@ function swing({ hinge, tip, jamb }) {
 const overlap = (one, other) => Math.min(
   ...[0, 1].map((axis) => Math.min(one[axis + 2], other[axis + 2]) - Math.max(one[axis], other[axis])));
 
-/** How far a leaf would go through furniture and walls. */
+/** The depth to which a leaf reaches into furniture or walls, in metres. */
 function swept(leaf, room, pieces) {
   const around = swing(leaf), length = Math.hypot(leaf.hinge[0] - leaf.tip[0], leaf.hinge[1] - leaf.tip[1]);
   const from = ([x, y], box) => Math.hypot(...[Math.max(0, box[0] - x, x - box[2]), Math.max(0, box[1] - y, y - box[3])]);
