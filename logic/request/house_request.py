@@ -1,4 +1,8 @@
-"""Requests for houses: all that a house depends on, apart from its seed and its index."""
+"""Requests for houses: all that a house depends on, apart from its seed and its index.
+
+A new field also belongs in ``read``, ``to_dict`` and ``__str__``; ``logic.request.arguments`` sets it
+from the arguments of ``generate``.
+"""
 
 from collections.abc import Iterator, Mapping
 from functools import cached_property

@@ -39,7 +39,7 @@ class Standing:
 
     @property
     def state(self) -> dict[str, np.ndarray]:
-        """Part of the state that says which houses are there: none."""
+        """Part of the state that identifies the houses: none."""
         return {}
 
     def go_on_from(self, state: Mapping[str, Any]) -> bool:
@@ -119,7 +119,7 @@ class Passing(Standing):
 
     @property
     def state(self) -> dict[str, np.ndarray]:
-        """Part of the state that says which houses are there.
+        """Part of the state that identifies the houses.
 
         ``passed`` is the number of steps, and the rotation's size and steps: (3,) int64.
         """

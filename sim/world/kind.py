@@ -53,7 +53,8 @@ def state_type(speeds: int) -> Any:
 class WorldKind:
     """Properties of a world that its kernels and its arrays depend on.
 
-    The houses and the number of environments are not among them.
+    The houses and the number of environments are not among them. Rows of ``sim.world.arrays`` state by these
+    properties which worlds have an array (``asked``).
     """
 
     config: Config
