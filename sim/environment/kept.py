@@ -57,6 +57,9 @@ def require_state(
         raise ValueError("the state is invalid: a robot or a target is outside its house")
     if not np.isfinite(given.get("others", reals)).all():
         raise ValueError("the state is invalid: a target is outside its house")
+    for name in ("odometer", "past_reals"):
+        if not np.isfinite(given.get(name, reals)).all():
+            raise ValueError(f"the state is invalid: {name} has a value that is not a finite number")
     if "next_wholes" in given:
         _require_guide(given["next_wholes"], given["next_reals"].astype(np.float64), geometries, config)
 
@@ -79,7 +82,9 @@ def _require_guide(
     else:
         place, turned = place + config.step * cells[:, :2], cells[:, 2] // len(HEADINGS) == 0
     known = (house >= given + SAMPLE) & (house < len(geometries))
-    if not known.all() or np.isinf(reals).any() or not _inside(house[given], place, geometries):
+    halves = np.isnan(reals[:, 2]) != np.isnan(reals[:, 3])
+    lost = not known.all() or np.isinf(reals).any() or halves.any()
+    if lost or not _inside(house[given], place, geometries):
         raise ValueError("the state belongs to other houses: a next episode would begin outside these houses")
     if not turned.all():
         raise ValueError("the state is invalid: a next episode would begin without a heading")

@@ -132,8 +132,11 @@ class Passing(Standing):
         """
         if "passed" not in state:
             return False
-        steps, *others = np.asarray(state["passed"]).tolist()
-        if steps < 0 or others != self.state["passed"][1:].tolist():
+        own, given = self.state["passed"], np.asarray(state["passed"])
+        if (given.dtype, given.shape) != (own.dtype, own.shape):
+            raise RequestError(f"the state's counter passed must be {own.dtype} {own.shape}")
+        steps, *others = given.tolist()
+        if steps < 0 or others != own[1:].tolist():
             raise RequestError(
                 f"the state belongs to another rotation ({others} houses and steps), or has a negative "
                 "counter"

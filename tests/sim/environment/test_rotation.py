@@ -139,6 +139,9 @@ def test_what_cannot_be_had_is_said() -> None:
     for other in ([-1, 2, T], [0, 3, T], [0, 2, T + 1]):
         with pytest.raises(ValueError, match="the state belongs to another rotation"):
             state.state = state.state | {"passed": np.array(other)}
+    for other in ([np.nan, 2, T], [1e300, 2, T], 0, [[0, 2, T]]):
+        with pytest.raises(ValueError, match=r"the state's counter passed must be int64 \(3,"):
+            state.state = state.state | {"passed": np.array(other)}
     with pytest.raises(ValueError, match="rotating houses need HouseVectorEnv: give HouseEnv a"):
         HouseEnv(HouseRotation(HOUSES, 2, T))
     same = HouseVectorEnv(HOUSES[:1], autoreset_mode="SameStep")

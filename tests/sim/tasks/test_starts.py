@@ -113,6 +113,7 @@ def test_wrong_options_for_next_episodes_are_refused():
     [
         *(("next_wholes", 0, 7), ("next_wholes", 0, -1), ("next_wholes", 1, 10**6), ("next_wholes", 3, 99)),
         ("next_reals", 0, 900.0),
+        ("next_reals", 2, 1.0),  # a target with one coordinate
     ],
 )
 def test_a_state_with_options_of_other_houses_is_refused(name, place, value):
