@@ -9,7 +9,7 @@ from vitruvius.logic.grammar import Grammar, find
 from vitruvius.logic.house.house import House
 from vitruvius.logic.plain import plain
 from vitruvius.logic.request.brief import Brief, alone, read_brief
-from vitruvius.logic.request.counts import Count, whole
+from vitruvius.logic.request.counts import Count, real, whole
 from vitruvius.logic.request.fixed_rooms import FixedRoom, fixed_rooms
 from vitruvius.logic.request.given_plan import SNAP, keeping, read_plan
 from vitruvius.logic.request.house_request import (
@@ -76,14 +76,14 @@ def house_request(rooms: int | tuple[int, int] | None = None, **stated: Unpack[S
         least,
         ranges_of("type", stated.get("types")),
         ranges_of("piece", stated.get("furniture")),
-        float(stated.get("cell", 0.0)),
+        real("cell", stated.get("cell", 0.0)),
         fixed,
         plan,
         brief,
         str(rules.directory),
         most,
         whole("inferences", stated.get("inferences", INFERENCES), 1),
-        float(stated.get("seconds", SECONDS)),
+        real("seconds", stated.get("seconds", SECONDS)),
     )
     vars(made)["rules"] = rules  # so that they are not searched again
     return made
@@ -97,6 +97,8 @@ def _plan_and_fixed(stated: Stated, rules: Grammar) -> tuple[OwnPlan | None, tup
         plan = read_plan(plain(source), *how, rules.types)
     if keep is None:
         return plan, ()
+    if not isinstance(keep, House):
+        raise RequestError(f'keep: must be a house, as in keep=house.only("R0"), not {keep!r}')
     if keep.main_room is None:
         if plan is None:
             raise RequestError(

@@ -36,6 +36,17 @@ def whole(name: str, value: Any, least: int, most: int = MOST) -> int:
     return number
 
 
+def real(name: str, value: Any) -> float:
+    """Return a number of any library as Python's ``float``. Raises ``RequestError`` for another value."""
+    number = plain(value)
+    try:
+        if isinstance(number, bool | str):
+            raise TypeError
+        return float(number)
+    except (TypeError, OverflowError):
+        raise RequestError(f"{name} must be a number, not {value!r}") from None
+
+
 def as_range(name: str, count: Any) -> Range:
     """Return a count as a range. Raises ``RequestError`` for an invalid count."""
     count = plain(count)

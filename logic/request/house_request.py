@@ -223,8 +223,11 @@ class HouseRequest(msgspec.Struct, frozen=True, dict=True, forbid_unknown_fields
 
 
 def ranges_of(noun: str, counts: Mapping[str, Any] | None) -> dict[str, Range]:
-    """Return counts as ranges. Raises ``RequestError`` for an invalid count."""
-    return {name: as_range(f"{noun} {name}", count) for name, count in (counts or {}).items()}
+    """Return counts as ranges. Raises ``RequestError`` for an invalid count, and for counts without names."""
+    counts = {} if counts is None else counts
+    if not isinstance(counts, Mapping):
+        raise RequestError(f"{noun} counts: give them by name, not as {counts!r}")
+    return {name: as_range(f"{noun} {name}", count) for name, count in counts.items()}
 
 
 def range_of(rooms: Any) -> tuple[int, int | None]:

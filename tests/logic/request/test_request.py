@@ -74,6 +74,22 @@ def test_an_unknown_name_is_answered_by_those_that_exist(asked: dict, says: str)
         next(generate(rooms=3, **asked))
 
 
+@pytest.mark.parametrize(
+    ("asked", "says"),
+    [
+        ({"types": [("bedroom", 1)]}, "type counts: give them by name"),
+        ({"furniture": "bed"}, "piece counts: give them by name"),
+        ({"cell": "0.5"}, "cell must be a number, not '0.5'"),
+        ({"cell": None}, "cell must be a number, not None"),
+        ({"seconds": 10**400}, "seconds must be a number, not 1000"),
+        ({"keep": 1}, "keep: must be a house, as in .*, not 1"),
+    ],
+)
+def test_an_argument_of_another_kind_is_refused_by_name(asked: dict, says: str) -> None:
+    with pytest.raises(RequestError, match=says):
+        generate(rooms=3, **asked)
+
+
 # Granting.
 
 
