@@ -4,6 +4,8 @@ A header has the position of the house's cells in ``indices``, at ``FIRST_CELL``
 The other entries of the header and the lists are specific to a backend: see its ``layout``.
 """
 
+import numpy as np
+
 from vitruvius.sim.runtime import ti
 
 CELL = 1.0
@@ -20,6 +22,35 @@ LONGEST = 2**16 - 1
 LINE, AHEAD = 16, 64
 """Words of a cache line, and words at the beginning of a block that are prefetched. The array has as many
 words after the last block."""
+
+
+def empty_blocks(
+    header: np.ndarray, most: np.ndarray, owner: np.ndarray, used: np.ndarray, counts: np.ndarray
+) -> np.ndarray:
+    """Return the array ``indices`` of a bank, with blocks whose lists are not written yet.
+
+    ``header`` (H, 9) has the header of each house. ``most`` (H,) has the number of a house's lines, or of the
+    things that bodies touch, whichever is larger. ``owner`` (C,) has the house of each cell. ``used`` (C,)
+    bool is True for the cells with lists; the others share the first block. ``counts`` (c, n) has the lengths
+    of the lists of each used cell. Raises ``ValueError`` for a house with too many lines or things.
+    """
+    sums = counts.cumsum(axis=1)
+    total, before = sums[:, -1], counts.shape[1] // 2 + 1
+    if max(total.max(initial=0), most.max()) > LONGEST:
+        house = most.argmax() if most.max() > LONGEST else owner[used][total.argmax()]
+        raise ValueError(
+            f"house {house} of {len(header)} has more walls and furniture than this backend can store"
+        )
+    words = before + (total + 1) // 2
+    first = header.size + len(used)
+    block = first + before + words.cumsum() - words
+    indices = np.zeros(first + before + int(words.sum()) + AHEAD, np.int32)
+    indices[: header.size], indices[header.size : first] = header.ravel(), first
+    indices[header.size : first][used] = block
+    ends = np.zeros((len(counts), 2 * before), np.uint16)
+    ends[:, 1 : counts.shape[1] + 1] = sums
+    indices[block[:, None] + np.arange(before)] = ends.view(np.int32)
+    return indices
 
 
 @ti.func

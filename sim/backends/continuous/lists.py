@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 
 from vitruvius.sim.backends.blocks import (
-    AHEAD,
     COLUMNS,
     FIRST_CELL,
-    LONGEST,
     ROWS,
+    empty_blocks,
     end_of,
     mark,
     marked,
@@ -45,23 +44,9 @@ def listed_arrays(
     }
     find, fill = _kernels(start(), config)
     Launch(find, arrays)()
-    counts = arrays["counts"].numpy().reshape(-1, LISTS).cumsum(axis=1)
-    total = counts[:, -1]
-    most = np.maximum(header[:, BOXES], lines[:, 0])
-    if max(total.max(), most.max()) > LONGEST:
-        house = most.argmax() if most.max() > LONGEST else owner[total.argmax()]
-        raise ValueError(
-            f"house {house} of {len(header)} has more walls and furniture than this backend can store"
-        )
-    ends = np.zeros((len(owner), 2 * ENDS), np.uint16)
-    ends[:, 1 : LISTS + 1] = counts
-    words = np.where(total > 0, ENDS + (total + 1) // 2, 0)
-    first = header.size + len(owner)
-    block = np.where(total > 0, first + ENDS + words.cumsum() - words, first)
-    indices = np.zeros(first + ENDS + int(words.sum()) + AHEAD, np.int32)
-    indices[:first] = np.concatenate([header.ravel(), block])
-    indices[block[total > 0, None] + np.arange(ENDS)] = ends[total > 0].view(np.int32)
-    arrays["indices"] = Array.of(indices)
+    counts = arrays["counts"].numpy().reshape(-1, LISTS)
+    used, most = counts.any(axis=1), np.maximum(header[:, BOXES], lines[:, 0])
+    arrays["indices"] = Array.of(empty_blocks(header, most, owner, used, counts[used]))
     Launch(fill, arrays)()
     return arrays["numbers"], arrays["indices"]
 

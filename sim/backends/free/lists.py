@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 
 from vitruvius.sim.backends.blocks import (
-    AHEAD,
     COLUMNS,
     FIRST_CELL,
     HEADER,
-    LONGEST,
     ROWS,
+    empty_blocks,
     end_of,
     mark,
     marked,
@@ -36,8 +35,8 @@ def listed_arrays(
     many lines or solids.
     """
     sizes = header[:, COLUMNS] * header[:, ROWS]
-    house, place = np.repeat(np.arange(len(header)), sizes), np.concatenate([*map(np.arange, sizes)])
-    house, place = house[used], place[used]
+    owner, place = np.repeat(np.arange(len(header)), sizes), np.concatenate([*map(np.arange, sizes)])
+    house, place = owner[used], place[used]
     columns = header[house, COLUMNS]
     cells = np.column_stack([house, place % columns, place // columns]).astype(np.int32)
     arrays = {
@@ -50,24 +49,11 @@ def listed_arrays(
     }
     find, fill = _kernels(start(), config)
     Launch(find, arrays)()
-    counts = arrays["counts"].numpy().reshape(-1, LISTS).cumsum(axis=1)
-    total = counts[:, -1]
-    most = int(np.maximum(header[:, SOLIDS], header[:, LINES]).max())
-    if max(int(total.max(initial=0)), most) > LONGEST:
-        k = int(house[total.argmax()]) if most <= LONGEST else int(header[:, LINES].argmax())
-        raise ValueError(
-            f"house {k} of {len(header)} has more walls and furniture than this backend can store"
-        )
-    ends = np.zeros((len(cells), 2 * ENDS), np.uint16)
-    ends[:, 1 : LISTS + 1] = counts
-    words = ENDS + (total + 1) // 2
-    first = header.size + len(used)
-    block = first + ENDS + words.cumsum() - words
-    indices = np.zeros(first + ENDS + int(words.sum()) + AHEAD, np.int32)
-    indices[: header.size], indices[header.size : first] = header.ravel(), first
-    indices[header.size : first][used] = block
-    indices[block[:, None] + np.arange(ENDS)] = ends.view(np.int32)
-    arrays["indices"] = Array.of(indices)
+    counts, most = (
+        arrays["counts"].numpy().reshape(-1, LISTS),
+        np.maximum(header[:, SOLIDS], header[:, LINES]),
+    )
+    arrays["indices"] = Array.of(empty_blocks(header, most, owner, used, counts))
     Launch(fill, arrays)()
     return arrays["numbers"], arrays["indices"]
 

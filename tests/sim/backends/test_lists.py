@@ -10,7 +10,7 @@ from tests.maps import random_map
 from tests.plans import PLANS, random_plan
 from tests.reference import Boxes, sights, stopped
 from vitruvius.sim import DEFAULT, PAPER, Config, HouseVectorEnv
-from vitruvius.sim.backends.blocks import CELL
+from vitruvius.sim.backends.blocks import CELL, HEADER, LONGEST, empty_blocks
 
 HOUSES = [
     *(sample_houses.random_house(seed, original) for seed in range(100, 110) for original in (False, True)),
@@ -120,3 +120,10 @@ def test_moves_are_blocked_just_where_some_box_of_the_house_is_in_the_path(envs,
     assert sure > 0.98 * envs.num_envs
     moved = np.abs(info["pose"] - before).max(axis=1) > 1e-6
     np.testing.assert_array_equal(moved, ~info["blocked"])
+
+
+@pytest.mark.parametrize(("most", "length"), [([10, LONGEST + 1], 1), ([10, 10], LONGEST)])
+def test_a_house_with_more_than_a_cell_can_list_is_named(most, length):
+    header, counts = np.zeros((2, HEADER), np.int32), np.array([[1, 0], [length, 1]])
+    with pytest.raises(ValueError, match="house 1 of 2 has more walls and furniture than this backend can"):
+        empty_blocks(header, np.array(most), np.array([0, 0, 1]), np.array([True, False, True]), counts)
