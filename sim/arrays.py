@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from vitruvius.sim.runtime import Array, element, ti
 
 Of = Callable[[Any], Any]
-"""Function of a ``sim.world.arrays.WorldKind``."""
+"""Function of a ``sim.world.kind.WorldKind``."""
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,6 @@ class Owner:
         """Start the thread, which ends with the process."""
         self.pool = ThreadPoolExecutor(1, "taichi") if device == "cpu" else None
         self.caller = threading.current_thread()
-        self.program: Any = None
 
     def call(self, make: Callable[[], Any]) -> Any:
         """Call ``make`` in the thread and return its result."""
@@ -46,7 +45,8 @@ class Owner:
         return make()
 
 
-_owner: Owner | None = None
+_owners: dict[Any, Owner] = {}
+"""Owners of the programs that ``start`` began."""
 
 
 def start(device: str | None = None, threads: int | None = None) -> Any:
@@ -60,7 +60,6 @@ def start(device: str | None = None, threads: int | None = None) -> Any:
     Raises ``ValueError`` if the device is missing or Taichi runs on another one, and ``RuntimeError`` in a
     fork of a process in which Taichi ran.
     """
-    global _owner  # noqa: PLW0603 - Taichi has one program a process
     require_threads()
     with compiling:
         if compiler.program() is None:
@@ -72,8 +71,7 @@ def start(device: str | None = None, threads: int | None = None) -> Any:
                 )
             owner = Owner(device)
             owner.call(lambda: _begin(arch, threads))
-            owner.program = compiler.program()
-            _owner = owner
+            _owners[compiler.program()] = owner
     running = impl.current_cfg().arch
     if device and (running == ti.cuda) != (device == "cuda"):
         names = {ti.x64: "the CPU", ti.arm64: "the CPU", ti.cuda: "a GPU"}
@@ -114,9 +112,8 @@ def _begin(arch: Any, threads: int | None) -> None:
 
 def by_owner(program: Any, make: Callable[[], Any]) -> Any:
     """Return the result of ``make``, called in the thread that owns a program that ``start`` began."""
-    if _owner and _owner.program is program:
-        return _owner.call(make)
-    return make()
+    owner = _owners.get(program)
+    return owner.call(make) if owner else make()
 
 
 def on_gpu() -> bool:

@@ -22,7 +22,6 @@ FIELD = 6
 """Number of integers of an environment's field: index of its first tile, first i and j, and tiles in a
 column. Then the tile of the body's last place and that tile's entry, so that most look-ups read only one
 number."""
-Fields = ti.types.ndarray(ti.types.vector(FIELD, ti.i32), 1)
 
 
 @ti.func

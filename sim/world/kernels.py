@@ -139,17 +139,16 @@ def kernels(program: Any, kind: WorldKind, make: type[Backend]) -> Kernels:
 
     @kernel
     def settle(world: Results):
-        """Update the distances to new targets, after their fields have been computed."""
+        """Update the distances to new targets, after ``Distances`` has computed their fields."""
         ti.loop_config(serialize=serial)
         for e in range(world.reals.shape[0]):
-            if ti.static(kind.knows_distance):  # noqa: SIM102 - decided as it is compiled
-                if world.distance[e] == NOT_YET:
-                    state = loaded(world, e)
-                    world.distance[e] = look_up(world, e, state.cell)
-                    episodes.extras.notice_distance(world, e)
-                    if ti.static(kind.terms.progress != 0):  # noqa: SIM102
-                        if state.time > 0:
-                            after = ti.cast(ti.max(0, world.distance[e]), ti.f32)
-                            world.reward[e] += episodes.progress(0.0, after)
+            if world.distance[e] == NOT_YET:
+                state = loaded(world, e)
+                world.distance[e] = look_up(world, e, state.cell)
+                episodes.extras.notice_distance(world, e)
+                if ti.static(kind.terms.progress != 0):  # noqa: SIM102 - decided as it is compiled
+                    if state.time > 0:
+                        after = ti.cast(ti.max(0, world.distance[e]), ti.f32)
+                        world.reward[e] += episodes.progress(0.0, after)
 
     return Kernels(backend, episodes, reset, step, describe, peek, stand, settle)

@@ -96,8 +96,7 @@ class Phases:
         """Return the action of an environment: its number, or speeds."""
         if ti.static(self.config.drives):
             return world.action[e]
-        else:  # noqa: RET505 - decided as it is compiled
-            return ti.cast(world.action[e], ti.i32)
+        return ti.cast(world.action[e], ti.i32)
 
     @ti.func
     def flag(self, world: ti.template(), e, terminated, truncated, blocked):

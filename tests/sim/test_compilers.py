@@ -21,7 +21,7 @@ import torch
 from vitruvius.agent.avoidance import Free
 from vitruvius.agent.policies.policies import Explorer
 from vitruvius.sim import HouseVectorEnv
-from vitruvius.sim.runtime import compiler
+from vitruvius.sim.tracing import compiler
 from tests import sample_houses
 
 E, STEPS = 16, 60

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from tests.programs import finished
-from vitruvius.sim.runtime import LOCK_AGE, Array, Launch, drop_stale_lock, kernel, start, ti
+from vitruvius.sim.runtime import Array, Launch, kernel, start, ti
+from vitruvius.sim.runtime.lock import LOCK_AGE, drop_stale_lock
 from vitruvius.sim.tracing import compiler
 
 pytestmark = pytest.mark.second_part("many processes and threads")
@@ -95,7 +96,8 @@ def test_a_kernel_has_arrays_together_as_a_record_and_takes_them_by_its_fields()
 
 MANY_TABLES = """
 import numpy as np
-from vitruvius.sim.runtime import MOST_FIELDS, constants, start
+from vitruvius.sim.runtime import constants, start
+from vitruvius.sim.runtime.constants import MOST_FIELDS
 
 start("cpu")
 numbers = np.arange(4.0, dtype=np.float32)

@@ -12,7 +12,8 @@ from tests.programs import finished
 from vitruvius.agent.runs.checkpoint import load
 from vitruvius.sim.drive import Drive
 from vitruvius.sim.environment.steps import Commands
-from vitruvius.sim.runtime import Array, arrays, has_cuda, impl, start, ti
+from vitruvius.sim.runtime import Array, arrays, has_cuda, start, ti
+from vitruvius.sim.tracing import impl
 
 needs_gpu = pytest.mark.skipif(not has_cuda(), reason="no GPU here")
 

@@ -20,7 +20,7 @@ from tests import sample_houses
 from tests.programs import finished
 from vitruvius.logic import House
 from vitruvius.sim import DEFAULT, PAPER, Config, HouseVectorEnv
-from vitruvius.sim.runtime import impl
+from vitruvius.sim.tracing import impl
 
 DRAWN = sample_houses.drawn("aa+aa.bbb\n......+bb\n......bbb", cell=1.2)
 HOUSES = [DRAWN, *sample_houses.RANDOM[:3]]
