@@ -17,7 +17,8 @@ from vitruvius.sim.environment.vector import HouseVectorEnv
 from vitruvius.sim.geometry import Geometry
 from vitruvius.sim.runtime import Array, Floats, Ints, Launch, Words, kernel, start, ti
 from vitruvius.sim.world.arrays import HOUSE
-from vitruvius.sim.world.episodes import Episodes, loaded
+from vitruvius.sim.world.episodes import Episodes
+from vitruvius.sim.world.states import loaded
 from vitruvius.sim.world.world import World
 
 FAR_OFF_M = 1e6

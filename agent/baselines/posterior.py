@@ -10,7 +10,7 @@ from vitruvius.agent.baselines.coverage import WORD, LineOfSight, bit, origins_o
 from vitruvius.agent.baselines.priors import Uniform
 from vitruvius.sim.backends.backend import TARGET
 from vitruvius.sim.runtime import Array, ti
-from vitruvius.sim.world.episodes import loaded
+from vitruvius.sim.world.states import loaded
 from vitruvius.sim.world.world import World
 
 Rows = ti.types.ndarray(ti.types.vector(8, ti.i32), 1)

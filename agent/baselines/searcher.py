@@ -27,7 +27,8 @@ from vitruvius.agent.baselines.view_planner import LINES, PLACE, REPLAN_STEPS, S
 from vitruvius.sim.environment.vector import HouseVectorEnv
 from vitruvius.sim.runtime import Array, Launch, Longs, kernel, start, ti
 from vitruvius.sim.tasks.survey import survey
-from vitruvius.sim.world.episodes import Episodes, loaded
+from vitruvius.sim.world.episodes import Episodes
+from vitruvius.sim.world.states import loaded
 from vitruvius.sim.world.world import World
 
 VIEW_PITCH_M, SAMPLE_PITCH_M = 0.57, 0.29

@@ -17,7 +17,8 @@ from vitruvius.agent.baselines.view_planner import COLUMNS, LINES, VIEWPOINT_COS
 from vitruvius.sim.actions import HEADINGS
 from vitruvius.sim.environment.vector import HouseVectorEnv
 from vitruvius.sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti
-from vitruvius.sim.world.episodes import Episodes, loaded
+from vitruvius.sim.world.episodes import Episodes
+from vitruvius.sim.world.states import loaded
 
 FRAME = 3
 """Number of integers of a frame: see ``ViewValues.read``."""

@@ -27,7 +27,8 @@ from vitruvius.agent.planner.core.frame import AXES
 from vitruvius.agent.policies.policies import Explorer
 from vitruvius.sim import HouseVectorEnv
 from vitruvius.sim.runtime import Array, Floats, Ints, Launch, kernel, start, ti
-from vitruvius.sim.world.episodes import Episodes, loaded
+from vitruvius.sim.world.episodes import Episodes
+from vitruvius.sim.world.states import loaded
 
 FIRST = 12
 """Number of places whose best views are tried as the first one."""

@@ -359,7 +359,7 @@ class HouseVectorEnv(KeepsState, KeepsSpec, VectorEnv):  # pyright: ignore[repor
         """Return copies of the bank's arrays for kernels.
 
         They are ``numbers`` (n,) float32 and ``indices`` (m,) int32, which the backend's ``pack.py``
-        explains, and ``places`` (p,) int32, which ``sim.world.world`` explains.
+        explains, and ``places`` (p,) int32, which ``sim.world.place_table`` explains.
         """
         return {name: self.world.arrays[name].numpy() for name in TABLES}
 

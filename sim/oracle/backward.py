@@ -15,7 +15,9 @@ from typing import Any, NamedTuple
 from vitruvius.sim.backends.doors import Doors
 from vitruvius.sim.runtime import Bytes, Floats, Ints, Longs, Shorts, kernel, ti
 from vitruvius.sim.tasks.survey import DIAGONAL, STRAIGHT
-from vitruvius.sim.world.episodes import Episodes, loaded, store
+from vitruvius.sim.world.distance_field import Steps
+from vitruvius.sim.world.episodes import Episodes
+from vitruvius.sim.world.states import loaded, store
 
 FAR = 1 << 15
 """Distance that is longer than any path, in actions."""
@@ -30,7 +32,6 @@ with the border, and the number of waiting poses."""
 DOORWAY = 1 << 10
 """Bit of a place, in addition to those of its survey: a step from there may meet a door."""
 
-Steps = ti.types.ndarray(ti.i16, 1)
 Notes = ti.types.ndarray(ti.types.vector(7, ti.i32), 1)
 Goals = ti.types.ndarray(ti.types.vector(2, ti.f32), 1)
 

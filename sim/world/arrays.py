@@ -84,7 +84,7 @@ BANK = (
     ),
     ArrayRow(
         "places", ti.i32, ("n",),
-        meaning="starts and targets of each house: `HEADER` in `sim/world/episodes.py`",
+        meaning="starts and targets of each house: `HEADER` in `sim/world/place_table.py`",
         written="packing", read="episodes",
     ),
     ArrayRow(

@@ -23,6 +23,9 @@ FIELD = 6
 column. Then the tile of the body's last place and that tile's entry, so that most look-ups read only one
 number."""
 
+Steps = ti.types.ndarray(ti.i16, 1)
+"""Annotation of a kernel's array of distances, in actions."""
+
 
 @ti.func
 def look_up(world: ti.template(), e, cell):

@@ -12,86 +12,18 @@ from vitruvius.sim.backends.backend import Backend
 from vitruvius.sim.backends.targets import OtherTargets
 from vitruvius.sim.runtime import ti
 from vitruvius.sim.tasks.terms import now_of
-from vitruvius.sim.world.arrays import (
-    COUNTERS,
-    FOUND,
-    HEADING,
-    HOUSE,
-    NUMBER,
-    OVER,
-    SEED,
-    TIME,
-)
 from vitruvius.sim.world.distance_field import NOT_YET, look_up
 from vitruvius.sim.world.extras import Extras
 from vitruvius.sim.world.kind import WorldKind
 from vitruvius.sim.world.observing import Observing
 from vitruvius.sim.world.philox import EPISODE, WHEELS, below, philox, uniform
+from vitruvius.sim.world.place_table import HEADER
 from vitruvius.sim.world.surroundings import Surroundings
 from vitruvius.sim.world.varying import Varying
 
 TRIES = 32
 """Largest number of samples for a place with a minimum distance to another; the last sample is accepted as it
 is."""
-
-HEADER = 7
-"""Number of integers in a house's header of the table ``places``: origin of the lattice (x, y as float32
-bits), index of the first start, number of starts, index of the first target, number of targets, heading of
-the starts (-1 for any). A start has 16 bits each for steps east and south; a target has two float32. For a
-task with an order, the number of targets is minus the number of stages, and the index leads to the index and
-number of each stage's targets."""
-
-Steps = ti.types.ndarray(ti.i16, 1)
-
-
-def drives(states: Any) -> bool:
-    """Return True if a record of arrays has the states of bodies that drive."""
-    return "speeds" in states._fields
-
-
-@ti.func
-def loaded(states: ti.template(), e):
-    """Return an environment's state."""
-    real, whole = states.reals[e], states.wholes[e]
-    low = ti.cast(ti.bit_cast(whole[ti.static(SEED)], ti.u32), ti.u64)
-    high = ti.cast(ti.bit_cast(whole[ti.static(SEED + 1)], ti.u32), ti.u64)
-    state = states.State()
-    state.origin, state.target = ti.Vector([real[0], real[1]]), ti.Vector([real[2], real[3]])
-    state.house, state.time = whole[ti.static(HOUSE)], whole[ti.static(TIME)]
-    state.found, state.over = whole[ti.static(FOUND)], whole[ti.static(OVER)]
-    state.episode, state.seed = whole[ti.static(NUMBER)], low | (high << ti.u64(32))
-    if ti.static(drives(states)):
-        state.cell, state.speeds = real[ti.static(HEADING)], states.speeds[e]
-    else:
-        state.cell = ti.Vector([whole[ti.static(COUNTERS + k)] for k in range(3)])
-    return state
-
-
-@ti.func
-def store(states: ti.template(), e, state):
-    """Write an environment's state, except its seed."""
-    store_in(states.reals, states.wholes, e, state, ti.static(drives(states)))
-    if ti.static(drives(states)):
-        states.speeds[e] = state.speeds
-
-
-@ti.func
-def store_in(reals: ti.template(), wholes: ti.template(), e, state, driving: ti.template()):
-    """Write an environment's state, except its seed and its speeds."""
-    old, origin, target, cell = wholes[e], state.origin, state.target, state.cell
-    if ti.static(driving):
-        reals[e] = ti.Vector([origin[0], origin[1], target[0], target[1], cell])
-        wholes[e] = ti.Vector(
-            [state.house, state.time, state.found, state.over, state.episode, old[SEED], old[SEED + 1]]
-        )
-    else:
-        reals[e] = ti.Vector([origin[0], origin[1], target[0], target[1]])
-        wholes[e] = ti.Vector(
-            [
-                state.house, state.time, state.found, state.over, state.episode, old[SEED], old[SEED + 1],
-                cell[0], cell[1], cell[2],
-            ]
-        )  # fmt: skip
 
 
 @ti.data_oriented

@@ -1,4 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
 """Fewest actions from a pose to its target, from distance fields that all environments share.
 
 A field has the distances from all poses of a house's lattice to one target. A search backwards from all poses
@@ -28,8 +27,16 @@ from vitruvius.sim.backends.backend import Lattice
 from vitruvius.sim.runtime import Array, Ints, Launch, Shorts, Words, constants, kernel, start, ti
 from vitruvius.sim.tasks.survey import DIAGONAL, STRAIGHT, survey
 from vitruvius.sim.world.arrays import HOUSE
-from vitruvius.sim.world.distance_field import MOST_DISTANCE, NOT_YET, PROFILE, PROFILE_BITS, TILE, TILE_BITS
-from vitruvius.sim.world.episodes import Episodes, Steps
+from vitruvius.sim.world.distance_field import (
+    MOST_DISTANCE,
+    NOT_YET,
+    PROFILE,
+    PROFILE_BITS,
+    TILE,
+    TILE_BITS,
+    Steps,
+)
+from vitruvius.sim.world.episodes import Episodes
 
 AT_ONCE = 16
 """Number of searches that run together; each takes 50 bytes per pose."""

@@ -13,9 +13,10 @@ from vitruvius.sim.config import Config
 from vitruvius.sim.runtime import Floats, Ints, kernel, ti
 from vitruvius.sim.world.arrays import OPTIONS, OVER, SAME_STEP
 from vitruvius.sim.world.distance_field import NOT_YET, look_up
-from vitruvius.sim.world.episodes import Episodes, loaded, store
+from vitruvius.sim.world.episodes import Episodes
 from vitruvius.sim.world.kind import WorldKind
 from vitruvius.sim.world.phases import KEEP, Phases
+from vitruvius.sim.world.states import loaded, store
 
 
 class Kernels(NamedTuple):

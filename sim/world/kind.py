@@ -2,13 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Any
 
 from vitruvius.sim.arrays import ArrayRow, record
 from vitruvius.sim.config import Config
 from vitruvius.sim.parts import PARTS
-from vitruvius.sim.runtime import ti
 from vitruvius.sim.tasks.terms import PLAIN, Terms
 from vitruvius.sim.world.arrays import (
     BANK,
@@ -23,30 +22,7 @@ from vitruvius.sim.world.arrays import (
     STATE,
     TABLE,
 )
-
-FIELDS = {
-    "origin": ti.math.vec2,  # of the body's lattice, or the place of a body that drives, metres
-    "target": ti.math.vec2,  # its centre, metres
-    "house": ti.i32,
-    "time": ti.i32,  # steps in this episode
-    "found": ti.i32,  # targets picked up in this episode, plus one
-    "over": ti.i32,  # 1 if the episode has ended
-    "episode": ti.i32,
-    "seed": ti.u64,
-}
-"""Fields of every state."""
-
-
-@cache
-def state_type(speeds: int) -> Any:
-    """Return the type of a state, of a body that drives with this number of speeds, or on a lattice for 0.
-
-    A ``cell`` has what a body's pose has besides the origin. On a lattice it is steps east, steps south and
-    heading in eighths of a turn. For a body that drives it is only the heading, in radians.
-    """
-    if not speeds:
-        return ti.types.struct(**FIELDS, cell=ti.math.ivec3)
-    return ti.types.struct(**FIELDS, cell=ti.f32, speeds=ti.types.vector(speeds, ti.f32))
+from vitruvius.sim.world.states import state_type
 
 
 @dataclass(frozen=True)

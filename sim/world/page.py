@@ -6,7 +6,7 @@ from pathlib import Path
 from vitruvius.sim.arrays import ArrayRow
 from vitruvius.sim.config import Config
 from vitruvius.sim.drive import Drive
-from vitruvius.sim.parts import PARTS
+from vitruvius.sim.parts import MEMORY, PARTS
 from vitruvius.sim.world import arrays
 from vitruvius.sim.world.kind import WorldKind
 from vitruvius.sim.world.overlays import OVERLAYS
@@ -51,10 +51,10 @@ def _parts() -> Iterator[str]:
     """Yield the table of parts."""
     yield "| part | values | range | unit | meaning |"
     yield "|---|---|---|---|---|"
-    drives = [Config(drive=Drive(sideways=sideways), memory=0) for sideways in (0.0, 0.5)]
+    drives = [Config(drive=Drive(sideways=sideways)) for sideways in (0.0, 0.5)]
     for name, part in PARTS.items():
         numbers = dict.fromkeys(str(config.numbers_of(name)) for config in drives)
-        count = " or ".join(numbers) if name != "memory" else "M"
+        count = " or ".join(numbers) if name != MEMORY else "M"
         yield f"| `{name}` | {count} | {part.low:g} to {part.high:g} | {part.unit} | {part.meaning} |"
 
 

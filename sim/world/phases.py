@@ -5,8 +5,9 @@ from typing import Any
 from vitruvius.sim.runtime import ti
 from vitruvius.sim.world.arrays import HEADING, NEXT_STEP
 from vitruvius.sim.world.distance_field import touch
-from vitruvius.sim.world.episodes import Episodes, drives, loaded, store_in
+from vitruvius.sim.world.episodes import Episodes
 from vitruvius.sim.world.kind import WorldKind
+from vitruvius.sim.world.states import drives, loaded, store_in
 
 TERMINATED, TRUNCATED, BLOCKED, FINAL_BLOCKED = range(4)
 """Rows of ``flags``. Only ``SAME_STEP`` has the last row, for the last move of an ended episode."""

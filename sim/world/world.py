@@ -20,12 +20,12 @@ from vitruvius.sim.tasks.survey import survey
 from vitruvius.sim.tasks.tasks import AnyTask, FixedTask, Targets, at_once, task
 from vitruvius.sim.tasks.terms import terms_of
 from vitruvius.sim.world.arrays import FOUND, HOUSE, NEXT_STEP, NUMBER, OVER, SEED, STATE, TIME
-from vitruvius.sim.world.episodes import HEADER
 from vitruvius.sim.world.geodesic import Distances
 from vitruvius.sim.world.kernels import kernels
 from vitruvius.sim.world.kind import WorldKind
 from vitruvius.sim.world.overlays import overlays_of
 from vitruvius.sim.world.phases import SAMPLE
+from vitruvius.sim.world.place_table import place_table
 from vitruvius.sim.world.surroundings import surroundings
 
 GUIDE = [row for row in STATE if row.name in ("next_wholes", "next_reals")]
@@ -54,17 +54,6 @@ class PackedHouses(NamedTuple):
     lattices: list[Lattice]
     places: list[Places]
     arrays: dict[str, Array]
-
-
-def staged(here: Places, at: int) -> np.ndarray:
-    """Return the part of the table ``places`` for a house whose task has an order; the part begins at ``at``.
-
-    The part has the index of the first target and the number of targets of each stage, then all targets.
-    """
-    counts = np.array([len(stage) for stage in here.stages])
-    first = at + 2 * len(counts) + 2 * np.cumsum([0, *counts[:-1]])
-    targets = here.targets[np.concatenate(here.stages)].view(np.int32)
-    return np.concatenate([np.column_stack([first, counts]).ravel(), targets.ravel()]).astype(np.int32)
 
 
 class World:
@@ -154,7 +143,7 @@ class World:
     def take(self, loaded: PackedHouses) -> None:
         """Continue with the houses and the task that ``packed`` returned. Nothing is compiled."""
         self.houses, self.bank, self.task, self.lattices, self.places, arrays = loaded
-        self.arrays |= arrays | {"places": self._table()}
+        self.arrays |= arrays | {"places": place_table(self.lattices, self.places)}
         for overlay in self.kind.overlays:
             self.arrays |= overlay.arrays(self.bank.geometries, self.num_envs)
         if self.distances:
@@ -206,27 +195,6 @@ class World:
         through = self.backend.lattice(shape, origin[0])
         corner = (through.origin + through.pitch * np.array(through.first)).astype(np.float32)
         return Lattice(corner, through.pitch, through.shape), cell[0] - (*through.first, 0)
-
-    def _table(self) -> Array:
-        """Return the table ``places`` for kernels.
-
-        It has the number of houses, their headers, then the starts and targets of each house.
-
-        ``HEADER`` explains the headers.
-        """
-        count = len(self.places)
-        header = np.zeros((count, HEADER), np.int32)
-        at, rows = 1 + header.size, [np.array([count], np.int32), header.reshape(-1)]
-        for k, (lattice, here) in enumerate(zip(self.lattices, self.places, strict=True)):
-            starts, targets = len(here.starts), len(here.listed)
-            listed = here.listed.view(np.int32).ravel()
-            if here.stages:
-                targets, listed = -len(here.stages), staged(here, at + starts)
-            origin = np.asarray(lattice.origin, np.float32).view(np.int32)
-            header[k] = (*origin, at, starts, at + starts, targets, here.heading)
-            at += starts + len(listed)
-            rows += [here.starts[:, 0] | here.starts[:, 1] << 16, listed]
-        return Array.of(np.concatenate(rows))
 
     def run(self, name: str) -> None:
         """Run a kernel, ``reset``, ``step`` or ``describe``, on the world's arrays."""

@@ -45,7 +45,7 @@ def listed_arrays(
     find, fill = _kernels(start(), config)
     Launch(find, arrays)()
     counts = arrays["counts"].numpy().reshape(-1, LISTS)
-    used, most = counts.any(axis=1), np.maximum(header[:, BOXES], lines[:, 0])
+    used, most = counts.sum(axis=1) > 0, np.maximum(header[:, BOXES], lines[:, 0])
     arrays["indices"] = Array.of(empty_blocks(header, most, owner, used, counts[used]))
     Launch(fill, arrays)()
     return arrays["numbers"], arrays["indices"]
