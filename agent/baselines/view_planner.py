@@ -75,7 +75,7 @@ class ViewPlanner(Posterior):
             search.sampled.shape[0] // slots,
         )
         base, total = slot * (search.queue.shape[0] // slots), self.sample(search, row, e, slot, words)
-        tail = self.source(search, row, base, state)
+        tail = self.source(search, base, self.pose(row, state.cell))
         head, goal, best, searching = 0, -1, ti.f32(0.0), True
         while searching and head < tail:
             pose = search.queue[base + head]
@@ -105,21 +105,44 @@ class ViewPlanner(Posterior):
         length = 0
         if goal >= 0:
             length = self.trace(search, row, e, base, goal)
-        for k in range(base, base + tail):
-            search.distance[base + search.queue[k]] = ti.u16(0)
+        self.clear(search, base, tail)
         return length
 
     @ti.func
     def shown(self, search: ti.template(), row, e, slot, words, cell):
         """Return the weight of the samples that remain possible and that a view shows."""
-        across = (row[LINES] + ti.static(self.pitch - 1)) // ti.static(self.pitch)
-        view = cell[0] // ti.static(self.pitch) * across + cell[1] // ti.static(self.pitch)
-        return self.weighed(search, row, e, slot, words, row[VIEW] + 8 * view + cell[2])
+        return self.weighed(search, row, e, slot, words, self.view(row, cell))
 
     @ti.func
-    def source(self, search: ti.template(), row, base, state):
-        """Begin a search for paths at the body's pose. Return the queue's end."""
-        pose = 8 * (state.cell[0] * row[LINES] + state.cell[1]) + state.cell[2]
+    def view(self, row, cell):
+        """Return the number of the view from a cell whose place is a viewpoint."""
+        across = (row[LINES] + ti.static(self.pitch - 1)) // ti.static(self.pitch)
+        view = cell[0] // ti.static(self.pitch) * across + cell[1] // ti.static(self.pitch)
+        return row[VIEW] + 8 * view + cell[2]
+
+    @ti.func
+    def pose(self, row, cell):
+        """Return the number of a cell's pose: eight times that of its place, plus the heading."""
+        return 8 * (cell[0] * row[LINES] + cell[1]) + cell[2]
+
+    @ti.func
+    def reach(self, search: ti.template(), row, base, pose):
+        """Search for paths from a pose to all others. Return the queue's end."""
+        head, tail = 0, self.source(search, base, pose)
+        while head < tail:
+            tail = self.spread(search, row, base, tail, search.queue[base + head])
+            head += 1
+        return tail
+
+    @ti.func
+    def clear(self, search: ti.template(), base, tail):
+        """Discard the distances of a search; ``tail`` is the queue's end."""
+        for k in range(base, base + tail):
+            search.distance[base + search.queue[k]] = ti.u16(0)
+
+    @ti.func
+    def source(self, search: ti.template(), base, pose):
+        """Begin a search for paths at a pose. Return the queue's end."""
         # Distances are stored plus one: 0 is unknown.
         search.distance[base + pose], search.queue[base] = ti.u16(1), pose
         return 1

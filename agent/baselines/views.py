@@ -118,10 +118,7 @@ def _kernels(program: Any, episodes: Episodes, pitch: int, side: int) -> tuple[A
                     state = loaded(world, e)
                     row, base = search.rows[state.house], slot * (search.queue.shape[0] // lanes)
                     total = ti.max(1e-9, planner.sample(search, row, e, slot, words))
-                    head, tail = 0, planner.source(search, row, base, state)
-                    while head < tail:
-                        tail = planner.spread(search, row, base, tail, search.queue[base + head])
-                        head += 1
+                    tail = planner.reach(search, row, base, planner.pose(row, state.cell))
                     quarter, own = frames[3 * n + 2], slot * words
                     way = along(quarter)
                     for k in range(ti.static(side * side)):
@@ -136,8 +133,7 @@ def _kernels(program: Any, episodes: Episodes, pitch: int, side: int) -> tuple[A
                             )
                             away = 0
                             if inside:
-                                pose = 8 * (i * row[LINES] + j) + cell[2]
-                                away = ti.cast(search.distance[base + pose], ti.i32) - 1
+                                away = ti.cast(search.distance[base + planner.pose(row, cell)], ti.i32) - 1
                             if away > 0:
                                 if k == ti.static(middle):
                                     gain = planner.turned(world, search, own, e * words, state, cell)
@@ -147,7 +143,6 @@ def _kernels(program: Any, episodes: Episodes, pitch: int, side: int) -> tuple[A
                                 gain /= total * cost
                             view = at + look * ti.static(side * side) + k
                             worth[view], costs[view] = gain, cost
-                    for k in range(base, base + tail):
-                        search.distance[base + search.queue[k]] = ti.u16(0)
+                    planner.clear(search, base, tail)
 
     return watch, value

@@ -18,7 +18,7 @@ from vitruvius.agent.algorithms.search.chooser import best
 from vitruvius.agent.algorithms.search.values import TrueValues
 from vitruvius.agent.algorithms.search.windows import HEADINGS, PLACES, ViewMaps, views
 from vitruvius.agent.baselines.coverage import WORD, LineOfSight, bit
-from vitruvius.agent.baselines.posterior import MAX_PLANNING, SAMPLE, SAMPLED, SPOT, VIEW
+from vitruvius.agent.baselines.posterior import MAX_PLANNING, SAMPLE, SAMPLED, SPOT
 from vitruvius.agent.baselines.view_planner import LINES, VIEWPOINT_COST, SearcherArrays, ViewPlanner
 from vitruvius.agent.baselines.views import ViewValues
 from vitruvius.agent.learning.environments import shield
@@ -75,25 +75,11 @@ def _kernel(program: Any, episodes: Episodes, pitch: int) -> Any:
     planner = ViewPlanner(LineOfSight(episodes), pitch)
 
     @ti.func
-    def reached(search: ti.template(), row, base, pose):
-        """Begin a search for paths at a pose. Return the queue's end."""
-        search.distance[base + pose], search.queue[base] = ti.u16(1), pose
-        return 1
-
-    @ti.func
-    def clear(search: ti.template(), base, tail):
-        """Discard the distances of a search."""
-        for k in range(base, base + tail):
-            search.distance[base + search.queue[k]] = ti.u16(0)
-
-    @ti.func
     def strike(world: ti.template(), search: ti.template(), row, e, own, words, state, cell):
         """Remove the remaining samples that a look from a cell shows, and return their weight."""
         gain, corner = ti.f32(0.0), planner.corner(search, state.house)
         if cell[0] % ti.static(pitch) == 0 and cell[1] % ti.static(pitch) == 0:
-            across = (row[LINES] + ti.static(pitch - 1)) // ti.static(pitch)
-            view = cell[0] // ti.static(pitch) * across + cell[1] // ti.static(pitch)
-            view = (row[VIEW] + 8 * view + cell[2]) * words
+            view = planner.view(row, cell) * words
             for word in range((row[SAMPLED] + ti.static(WORD - 1)) // ti.static(WORD)):
                 both = search.shown[view + word] & search.sampled[own + word]
                 gain += search.weights[e * words + word] * ti.cast(ti.math.popcnt(both), ti.f32)
@@ -116,7 +102,7 @@ def _kernel(program: Any, episodes: Episodes, pitch: int) -> Any:
         The best view shows the most of the samples ``left`` for its cost.
         """
         tail, head, goal, best_, spent, searching = (
-            reached(search, row, base, pose),
+            planner.source(search, base, pose),
             0,
             -1,
             ti.f32(0.0),
@@ -137,7 +123,7 @@ def _kernel(program: Any, episodes: Episodes, pitch: int) -> Any:
                     goal, best_, spent = here, gain / cost, cost
             if searching == 1:
                 tail = planner.spread(search, row, base, tail, here)
-        clear(search, base, tail)
+        planner.clear(search, base, tail)
         return goal, spent
 
     @kernel
@@ -165,18 +151,16 @@ def _kernel(program: Any, episodes: Episodes, pitch: int) -> Any:
                         slot * (search.queue.shape[0] // lanes),
                         slot * words,
                     )
-                    head, tail = 0, planner.source(search, row, base, state)
-                    while head < tail:
-                        tail = planner.spread(search, row, base, tail, search.queue[base + head])
-                        head += 1
+                    tail = planner.reach(search, row, base, planner.pose(row, state.cell))
                     for k in range(ti.static(FIRST)):
                         at = n * ti.static(FIRST) + k
                         away = -1
                         if firsts[3 * at] >= 0:
-                            pose = 8 * (firsts[3 * at] * row[LINES] + firsts[3 * at + 1]) + firsts[3 * at + 2]
+                            cell = ti.Vector([firsts[3 * at], firsts[3 * at + 1], firsts[3 * at + 2]])
+                            pose = planner.pose(row, cell)
                             away = ti.cast(search.distance[base + pose], ti.i32) - 1
                         spent[at] = ti.cast(away, ti.f32) + ti.static(VIEWPOINT_COST)
-                    clear(search, base, tail)
+                    planner.clear(search, base, tail)
                     for k in range(ti.static(FIRST)):
                         at = n * ti.static(FIRST) + k
                         value, time = ti.f32(-1.0), spent[at]
@@ -190,7 +174,7 @@ def _kernel(program: Any, episodes: Episodes, pitch: int) -> Any:
                                 remains -= gain
                                 h += 1
                                 if h < ti.static(AHEAD):
-                                    pose = 8 * (cell[0] * row[LINES] + cell[1]) + cell[2]
+                                    pose = planner.pose(row, cell)
                                     goal, further = follow(search, row, base, e, slot, words, pose, remains)
                                     if goal < 0:
                                         h = ti.static(AHEAD)
