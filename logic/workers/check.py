@@ -15,8 +15,7 @@ from vitruvius.logic.house.promises import OLD_PROMISES, Promises, read_promises
 from vitruvius.logic.opener import content_of, from_json
 from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.spelling import unknown
-from vitruvius.logic.workers.messages import Open, Promise, Promised
-from vitruvius.logic.workers.solver import Solver
+from vitruvius.logic.workers.pool import described
 
 Chosen = Promises | Mapping[str, Any] | str | Path
 """Promises that judge houses: all of them, some by name, a JSON file of some, or a grammar."""
@@ -26,9 +25,6 @@ DEFAULT = "original"
 
 MOST_BYTES = 1 << 20
 """Largest size of a file of promises, in bytes."""
-
-SECONDS = 60.0
-"""Seconds in which to find the promises of a grammar."""
 
 
 def check(house: House, promises: Chosen | None = None) -> list[str]:
@@ -101,10 +97,5 @@ def _read(file: Path) -> dict[str, Any]:
 @cache
 def _of_grammar(directory: str, digest: str, rooms: int) -> Promises:
     """Return the promises of houses with ``rooms`` rooms, by the rules with this hash."""
-    late = f"{directory}: computing its promises took more than {SECONDS:g} s"
-    worker = Solver(Open(grammar=directory))
-    try:
-        worker.loaded()
-        return worker.asked(Promise(request=HouseRequest(rooms)), Promised, SECONDS, late).promises
-    finally:
-        worker.end()
+    _, promises = described(HouseRequest(rooms, grammar=directory))
+    return promises

@@ -1,6 +1,5 @@
 """Numbers of the layouts from which stage 1 samples houses."""
 
-import time
 from collections.abc import Callable, Iterator
 from typing import Unpack
 
@@ -8,8 +7,8 @@ from vitruvius.logic.request.arguments import Counted, house_request
 from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.spelling import keywords
 from vitruvius.logic.workers.messages import Counted as Number
-from vitruvius.logic.workers.messages import CountLayouts, Done, Open
-from vitruvius.logic.workers.solver import GRACE, Solver
+from vitruvius.logic.workers.messages import CountLayouts, Open
+from vitruvius.logic.workers.solver import GRACE, answers
 
 Report = Callable[[str, int], None]
 """Function that is called with a name and the number of its layouts so far."""
@@ -33,21 +32,12 @@ def count_layouts(
 
 def counted(request: HouseRequest, report: Report) -> Iterator[tuple[str, int, bool]]:
     """Yield the counts of ``count_layouts`` one by one."""
-    worker = Solver(Open(grammar=str(request.rules.directory), cell=request.cell))
+    opening = Open(grammar=str(request.rules.directory), cell=request.cell)
     seconds = request.seconds
-    try:
-        worker.loaded()
-        end = time.monotonic() + seconds
-        worker.ask(CountLayouts(request=request, share=seconds), seconds + GRACE)
-        late = f"counting took {seconds:g} s: raise it with --seconds"
-        while True:
-            left = end + GRACE - time.monotonic()
-            match worker.answer((Number, Done), left, late, (request.rooms,)):
-                case Done():
-                    return
-                case Number(name, number, None):
-                    report(name, number)
-                case Number(name, number, bool(exact)):
-                    yield name, number, exact
-    finally:
-        worker.end()
+    question = CountLayouts(request=request, share=seconds)
+    late = f"counting took {seconds:g} s: raise it with --seconds"
+    for found in answers(opening, question, Number, seconds + GRACE, late, tried=(request.rooms,)):
+        if found.exact is None:
+            report(found.name, found.number)
+        else:
+            yield found.name, found.number, found.exact

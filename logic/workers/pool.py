@@ -5,10 +5,7 @@ import os
 import threading
 import warnings
 from collections.abc import Generator, Iterator
-from contextlib import closing
-from typing import Any
-
-from msgspec import structs
+from contextlib import closing, contextmanager
 
 from vitruvius.logic.errors import GrammarWarning, LimitReached, RequestError, Unsatisfiable, VitruviusError
 from vitruvius.logic.grammar import SHIPPED
@@ -20,6 +17,10 @@ from vitruvius.logic.workers.solver import LOADING, START_UP, Solver
 
 MOST_IDLE = 2
 """Number of idle solver processes. Each saves the half second that it takes to start one."""
+
+
+Key = tuple[str, str, float]
+"""Hash of some rules, their directory, and the cell of the grid that they are loaded for."""
 
 
 class Idle:
@@ -36,7 +37,7 @@ class Idle:
         """Begin again without processes, and leave the old ones running."""
         self._lock, self._workers = threading.Lock(), []
 
-    def take(self, key: tuple[Any, ...]) -> Solver | None:
+    def take(self, key: Key) -> Solver | None:
         """Remove and return a running process that has loaded exactly these rules, or None if none has."""
         with self._lock:
             places = [place for place, (loaded, _) in enumerate(self._workers) if loaded == key]
@@ -46,7 +47,7 @@ class Idle:
         worker.end()
         return self.take(key)
 
-    def add(self, key: tuple[Any, ...], worker: Solver) -> None:
+    def add(self, key: Key, worker: Solver) -> None:
         """Add a process, and end the least recently used ones beyond ``MOST_IDLE``."""
         with self._lock:
             self._workers.append((key, worker))
@@ -62,8 +63,8 @@ class Idle:
 
 _idle = Idle()
 
-_loaded: dict[tuple[str, Open], dict[str, str]] = {}
-"""Versions of the solvers, by the rules (and their hash) that a solver process of this process has loaded.
+_loaded: dict[Key, dict[str, str]] = {}
+"""Versions of the solvers, by the rules that a solver process of this process has loaded.
 
 For these rules clingo had no remarks.
 """
@@ -87,11 +88,9 @@ def described(request: HouseRequest) -> tuple[dict[str, str], Promises]:
     Raises as ``generate`` does, and ``RequestError`` if houses with different numbers of rooms promise
     different things.
     """
-    opening, key = _opening(request)
-    worker, name = _idle.take(key) or Solver(opening), request.rules.name
-    try:
-        _load(worker, key)
-        late = f"computing the promises of {name} took {request.seconds:g} seconds"
+    name = request.rules.name
+    late = f"computing the promises of {name} took {request.seconds:g} seconds"
+    with _team(request, 1) as [worker]:
         found, *others = (
             worker.asked(Promise(request=each), Promised, request.seconds, late)
             for each in request.each_size()
@@ -101,11 +100,7 @@ def described(request: HouseRequest) -> tuple[dict[str, str], Promises]:
                 f"rooms: houses of {name} of {request.rooms} to {request.most_rooms} rooms make different "
                 "promises: give one number of rooms for a set"
             )
-    except BaseException:
-        worker.end()
-        raise
-    _idle.add(key, worker)
-    return _loaded[key], found.promises
+    return _loaded[_key(request)], found.promises
 
 
 def late(request: HouseRequest, index: int) -> str:
@@ -121,68 +116,70 @@ def outcomes(
     Raises the other errors of ``generate``. The indices are assigned to the processes in turn, so that
     answers arrive in the order of the questions.
     """
-    opening, key = _opening(request)
     warn = request.rules.hash not in _warned and request.rules.directory.parent != SHIPPED
     _warned.add(request.rules.hash)
-    team: list[Solver] = []
     said = set[str]()
-    reusable = False
 
     def ask(worker: Solver, index: int) -> None:
         worker.ask(MakeHouse(request=request.at(index), seed=seed, index=index), request.seconds)
 
-    try:
-        for _ in range(min(workers, len(indices))):
-            remarks = not team and key not in _loaded
-            team.append(_idle.take(key) or Solver(structs.replace(opening, remarks=remarks)))
-        for worker in team:
-            _load(worker, key)
-        opening = structs.replace(opening, remarks=False)
+    with _team(request, min(workers, len(indices))) as team:
         for worker, index in zip(team, indices, strict=False):
             ask(worker, index)
         for turn, index in enumerate(indices):
             place = turn % len(team)
-            worker = team[place]
-            made = _answered(worker, request, index, warn)
+            made = _answered(team[place], request, index, warn)
             warn = False
             if isinstance(made, LimitReached):
+                team[place].end()  # After a limit in Prolog, tables remain that no later house could use.
                 yield made
-                # After a time limit in Prolog, tables remain that no later house could use.
-                worker.end()
             if turn + len(team) < len(indices):
-                if not worker.is_alive():
-                    team[place] = worker = Solver(opening)
-                    worker.loaded()
-                ask(worker, indices[turn + len(team)])
+                if not team[place].is_alive():
+                    team[place] = Solver(_opening(request, remarks=False))
+                    team[place].loaded()
+                ask(team[place], indices[turn + len(team)])
             if isinstance(made, House):
                 _say_what_gave_way(request, made, said)
-                reusable = True
                 yield made
-                reusable = False
-        reusable = True
-    except (Unsatisfiable, RequestError):
-        reusable = True
+
+
+@contextmanager
+def _team(request: HouseRequest, size: int) -> Iterator[list[Solver]]:
+    """Lend this many processes that have loaded the rules of a request.
+
+    Processes that are free afterwards become idle, unless an error leaves their state unknown.
+    """
+    key, team, usable = _key(request), list[Solver](), False
+    try:
+        for _ in range(size):
+            opening = _opening(request, remarks=not team and key not in _loaded)
+            team.append(_idle.take(key) or Solver(opening))
+        for worker in team:
+            if worker.unanswered:
+                loaded = worker.loaded()
+                assert isinstance(loaded, Loaded)
+                _loaded[key] = loaded.versions
+        yield team
+        usable = True
+    except (GeneratorExit, Unsatisfiable, RequestError):
+        usable = True
         raise
     finally:
         for worker in team:
-            if reusable and not worker.unanswered:
+            if usable and worker.is_free:
                 _idle.add(key, worker)
             else:
                 worker.end()
 
 
-def _opening(request: HouseRequest) -> tuple[Open, tuple[str, Open]]:
-    """Return the question that loads the rules in a solver process, and a key for these rules."""
-    opening = Open(grammar=str(request.rules.directory), cell=request.cell)
-    return opening, (request.rules.hash, opening)
+def _opening(request: HouseRequest, remarks: bool) -> Open:
+    """Return the question that loads the rules in a solver process."""
+    return Open(grammar=str(request.rules.directory), cell=request.cell, remarks=remarks)
 
 
-def _load(worker: Solver, key: tuple[str, Open]) -> None:
-    """Wait until a solver process has loaded the rules."""
-    if worker.unanswered:
-        loaded = worker.loaded()
-        assert isinstance(loaded, Loaded)
-        _loaded[key] = loaded.versions
+def _key(request: HouseRequest) -> Key:
+    """Return what identifies the rules that a solver process has loaded."""
+    return request.rules.hash, str(request.rules.directory), request.cell
 
 
 def _answered(worker: Solver, request: HouseRequest, index: int, warn: bool) -> House | LimitReached:

@@ -269,18 +269,24 @@ class Solver:
         return self.answer(kind, seconds, late)
 
     def series(
-        self, question: Asked, kind: type[Kind], seconds: float, late: str, before: float = 0.0
+        self,
+        question: Asked,
+        kind: type[Kind],
+        seconds: float,
+        late: str,
+        before: float = 0.0,
+        tried: Tried = (),
     ) -> Iterator[Kind]:
         """Ask a question with several answers, and yield the answers as they come, all within ``seconds``.
 
         With ``before`` the seconds count from the first answer. Until then the process has ``before`` seconds
-        to generate a house again.
+        to generate a house again. For ``tried`` see ``answer``.
         """
         says = f"the house was not regenerated within {before:g} seconds" if before else late
         end = time.monotonic() + (before or seconds)
         self.ask(question, before + seconds)
         while not isinstance(
-            found := self.answer((kind, Done), max(0.0, end - time.monotonic()), says), Done
+            found := self.answer((kind, Done), max(0.0, end - time.monotonic()), says, tried), Done
         ):
             self.unanswered += 1  # More answers follow.
             if says != late:
@@ -336,7 +342,13 @@ def _named(path: Iterable[str]) -> list[str]:
 
 
 def answers(
-    opening: Open, question: Asked, kind: type[Kind], seconds: float, late: str, before: float = 0.0
+    opening: Open,
+    question: Asked,
+    kind: type[Kind],
+    seconds: float,
+    late: str,
+    before: float = 0.0,
+    tried: Tried = (),
 ) -> Generator[Kind]:
     """Yield all answers of a new solver process to one question, as they come: see ``Solver.series``.
 
@@ -345,6 +357,6 @@ def answers(
     worker = Solver(opening)
     try:
         worker.loaded()
-        yield from worker.series(question, kind, seconds, late, before)
+        yield from worker.series(question, kind, seconds, late, before, tried)
     finally:
         worker.end()
