@@ -1,7 +1,5 @@
 """Files of rows: JSON Lines, and Parquet by pyarrow. Equal rows give equal bytes."""
 
-import os
-import secrets
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import cache
@@ -13,6 +11,7 @@ import msgspec
 
 from vitruvius.logic.dataset.parquet import MAX_FILE_BYTES, groups
 from vitruvius.logic.dataset.rows import SIDES, Row
+from vitruvius.logic.files.writing import whole_file
 from vitruvius.logic.opener import opened
 
 Files = Literal["parquet", "jsonl"]
@@ -65,24 +64,9 @@ def schema() -> Any:
 
 @contextmanager
 def written(path: Path, files: Files) -> Iterator[Callable[[list[Row]], None]]:
-    """Write rows group by group to a temporary file, which is flushed to disk and renamed at the end.
-
-    Raises ``OSError`` if this fails, and leaves no file.
-    """
-    path.parent.mkdir(parents=True, exist_ok=True)
-    beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
-    try:
-        with open(beside, "xb") as file:
-            with _writer(file, files) as write:
-                yield write
-            file.flush()
-            os.fsync(file.fileno())
-        beside.replace(path)
-    except BaseException as error:
-        beside.unlink(missing_ok=True)
-        if isinstance(error, OSError) and error.errno:
-            error.filename = str(path)
-        raise
+    """Write rows group by group to a file as ``whole_file`` does."""
+    with whole_file(path) as file, _writer(file, files) as write:
+        yield write
 
 
 @contextmanager

@@ -1,11 +1,12 @@
 """Set of houses in a folder: the record that determines its houses, its shards, and its manifest.
 
-======================================== ==================================================================
-``set.json`` what the houses are a function of (``Set``), written first ``grammar/NAME`` the rules that make
-them ``data/train-00003-of-00098.parquet`` a shard: rows, each a house (``rows.py``) ``manifest.json`` the
-shards with their hashes (``Manifest``), written last ``README.md``, ``croissant.json`` the set's card, and
-its description for machines ========================================
-==================================================================
+======================================  =====================================================================
+``set.json``                            all that the houses are a function of (``Set``), written first
+``grammar/NAME``                        the rules that generate the houses
+``data/train-00003-of-00098.parquet``   a shard: rows, each a house (``rows.py``)
+``manifest.json``                       the shards with their hashes (``Manifest``), written last
+``README.md``, ``croissant.json``       the set's card, and its description for machines
+======================================  =====================================================================
 """
 
 import hashlib

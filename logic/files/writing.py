@@ -3,9 +3,11 @@
 import os
 import secrets
 import stat
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryFile
+from typing import BinaryIO
 
 from vitruvius.logic.errors import RequestError
 
@@ -63,30 +65,51 @@ def _require_place(folder: Path, out: Path) -> None:
 
 
 def write_whole(path: str | Path, content: bytes) -> None:
-    """Write a temporary file, flush it to disk and rename it, so that a kill leaves no partial file.
+    """Write a file with this content as ``whole_file`` does.
 
     A link stays a link, and its target is replaced. An existing file keeps its mode. A device or a pipe is
     written directly. Raises ``OSError`` for a folder, or if writing fails.
     """
     given, path = Path(path), Path(os.path.realpath(path))
-    path.parent.mkdir(parents=True, exist_ok=True)
     # In a circle of links the real path is still a link, for which ``stat`` raises. A pipe by its number, as
     # in /dev/stdout, has no other path.
     before = given.stat() if given.exists() or path.is_symlink() else None
+    if before and not stat.S_ISREG(before.st_mode):
+        with _errors_of(path):
+            given.write_bytes(content)
+        return
+    with whole_file(path) as file:
+        file.write(content)
+        if before:
+            os.fchmod(file.fileno(), stat.S_IMODE(before.st_mode))
+
+
+@contextmanager
+def whole_file(path: Path) -> Iterator[BinaryIO]:
+    """Open a temporary file, which is flushed to disk and renamed at the end: a kill leaves no partial file.
+
+    Raises ``OSError`` if this fails.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
     beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
     try:
-        if before and not stat.S_ISREG(before.st_mode):
-            given.write_bytes(content)
-            return
-        with open(beside, "xb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        if before:
-            beside.chmod(stat.S_IMODE(before.st_mode))
-        beside.replace(path)
-    except BaseException as error:
+        with _errors_of(path):
+            with open(beside, "xb") as file:
+                yield file
+                file.flush()
+                os.fsync(file.fileno())
+            beside.replace(path)
+    except BaseException:
         beside.unlink(missing_ok=True)
-        if isinstance(error, OSError) and error.errno:
+        raise
+
+
+@contextmanager
+def _errors_of(path: Path) -> Iterator[None]:
+    """Let an error of the system name this file."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno:
             error.filename = str(path)
         raise
