@@ -9,17 +9,10 @@ from vitruvius.logic.grammar import Grammar, find
 from vitruvius.logic.house.house import House
 from vitruvius.logic.plain import plain
 from vitruvius.logic.request.brief import Brief, alone, read_brief
-from vitruvius.logic.request.counts import Count, real, whole
+from vitruvius.logic.request.counts import Count, range_of, ranges_of, real, whole
 from vitruvius.logic.request.fixed_rooms import FixedRoom, fixed_rooms
 from vitruvius.logic.request.given_plan import SNAP, keeping, read_plan
-from vitruvius.logic.request.house_request import (
-    DEFAULT,
-    INFERENCES,
-    SECONDS,
-    HouseRequest,
-    range_of,
-    ranges_of,
-)
+from vitruvius.logic.request.house_request import DEFAULT, INFERENCES, SECONDS, HouseRequest
 from vitruvius.logic.request.own_plan import OwnPlan
 from vitruvius.logic.spelling import keywords
 

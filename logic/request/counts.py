@@ -58,6 +58,25 @@ def as_range(name: str, count: Any) -> Range:
     return least, most
 
 
+def ranges_of(noun: str, counts: Mapping[str, Any] | None) -> dict[str, Range]:
+    """Return counts as ranges. Raises ``RequestError`` for an invalid count, and for counts without names."""
+    counts = {} if counts is None else counts
+    if not isinstance(counts, Mapping):
+        raise RequestError(f"{noun} counts: give them by name, not as {counts!r}")
+    return {name: as_range(f"{noun} {name}", count) for name, count in counts.items()}
+
+
+def range_of(rooms: Any) -> tuple[int, int | None]:
+    """Return the least and the greatest number of rooms, or None instead of an equal one.
+
+    Raises ``RequestError`` for numbers that no house has.
+    """
+    least, most = rooms if _is_pair(rooms) else (rooms, rooms)
+    least = whole("rooms", least, 1, MOST_ROOMS)
+    most = whole("the most rooms", most, least, MOST_ROOMS)
+    return least, None if most == least else most
+
+
 def in_words(wanted: Range) -> str:
     """Return a range in words, as in ``2``, ``1 to 3``, ``2 or more``."""
     least, most = wanted

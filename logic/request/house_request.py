@@ -15,7 +15,16 @@ from vitruvius.logic.errors import RequestError
 from vitruvius.logic.grammar import Grammar, find
 from vitruvius.logic.house.parts import BODY
 from vitruvius.logic.request.brief import Brief, read_brief
-from vitruvius.logic.request.counts import MOST_ROOMS, Range, as_range, counts, in_words, whole
+from vitruvius.logic.request.counts import (
+    MOST_ROOMS,
+    Range,
+    as_range,
+    counts,
+    in_words,
+    range_of,
+    ranges_of,
+    whole,
+)
 from vitruvius.logic.request.fixed_rooms import FixedRoom, from_records
 from vitruvius.logic.request.own_plan import OwnPlan
 from vitruvius.logic.spelling import numbered
@@ -220,22 +229,3 @@ class HouseRequest(msgspec.Struct, frozen=True, dict=True, forbid_unknown_fields
         )
         briefed = ["all as the brief says"] if self.brief else []
         return ", ".join([rooms, *types, *pieces, *grid, *fixed, *drawn, *briefed])
-
-
-def ranges_of(noun: str, counts: Mapping[str, Any] | None) -> dict[str, Range]:
-    """Return counts as ranges. Raises ``RequestError`` for an invalid count, and for counts without names."""
-    counts = {} if counts is None else counts
-    if not isinstance(counts, Mapping):
-        raise RequestError(f"{noun} counts: give them by name, not as {counts!r}")
-    return {name: as_range(f"{noun} {name}", count) for name, count in counts.items()}
-
-
-def range_of(rooms: Any) -> tuple[int, int | None]:
-    """Return the least and the greatest number of rooms; None for the greatest if both are equal.
-
-    Raises ``RequestError`` for numbers that no house has.
-    """
-    least, most = rooms if isinstance(rooms, list | tuple) and len(rooms) == 2 else (rooms, rooms)
-    least = whole("rooms", least, 1, MOST_ROOMS)
-    most = whole("the most rooms", most, least, MOST_ROOMS)
-    return least, None if most == least else most
