@@ -167,8 +167,6 @@ class Builder:
         """
         maker = self.maker_of(request)
         program = of_brief or maker.stated(request)
-        if self.loaded.depths and (sizes := self.programs.unit_sizes(request.rooms)):
-            program = self.programs.rooms(sizes[0])  # the program of the units has no typical facts
         key = maker if request.brief else program
         if key not in self._promises:
             pieces = sorted({piece for pieces in self.loaded.furniture.values() for piece in pieces})

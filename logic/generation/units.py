@@ -242,7 +242,9 @@ def units_maker(rules: PlanRules) -> Maker:
     choice = UnitsFeasibility(rules.grammar, rules.loaded)
 
     def stated(request: HouseRequest) -> Program:
-        return rules.programs.units_for(request, barred_units(rules.programs, request))[0]
+        # The program of the units has no typical facts, but those of their rooms have.
+        sizes = rules.programs.unit_sizes(request.rooms)
+        return rules.programs.rooms(sizes[0]) if sizes else rules.programs.units_for(request)[0]
 
     def of_units(request: HouseRequest, work: Work) -> tuple[House, UnitsMaking]:
         if request.fixed:
