@@ -1,4 +1,4 @@
-:- module(openings, [all_openings//2, plan_openings//3, window_walls/3, window_range/4, segment/5, joint_sample//7, side_axis/2, span/6, joins/2, outer_way/3, beyond_outline/1, outer_margin/2]).
+:- module(openings, [all_openings//2, plan_openings//3, window_walls/3, window_range/4, segment/5, start_range/4, joint_sample//7, side_axis/2, span/6, joins/2, outer_way/3, beyond_outline/1, outer_margin/2]).
 
 /** <module> Doors, windows and the entrance of a plan: room for them in its walls, and then their places
 
@@ -240,8 +240,8 @@ joint_sample(R-Q, Atoms, T-U, Axis-At, From-To, _, opening(Box,R,Q)) -->
     interval_sample(From, Latest, 1, Start),
     { segment(Axis, At, Start, Length, Box) }.
 joint_sample(R-Q, _, T-U, Axis-At, From-To, Before, door(Box,R,Q)) -->
-    { door_width_of(T, U, Width, _), length_of(door_margin, Margin), Low is From + Margin, High is To - Width - Margin },
-    start_sample(Axis-At, Width, Low-High, Before, Start),
+    { door_width_of(T, U, Width, _), length_of(door_margin, Margin), start_range(From-To, Width, Margin, Range) },
+    start_sample(Axis-At, Width, Range, Before, Start),
     { segment(Axis, At, Start, Width, Box) }.
 
 line_side(Line, edges(edge(_,_,W),edge(_,_,E),edge(_,_,N),_), Side) :-
@@ -264,9 +264,15 @@ segment(y, X, Y, Length, box(X,Y,0.0,Length)).
 %   wall_range(+Room, +Side, +Rooms, +Part, +Length, +Margin, -Wall, -Range): where an opening of this Length starts along this Part of
 %   the Wall Axis-At, at least Margin from its ends.
 
-wall_range(R, Side, Rooms, A1-A2, Length, Margin, Axis-At, Low-High) :-
+wall_range(R, Side, Rooms, Part, Length, Margin, Axis-At, Range) :-
     memberchk(room(R,_,Sides,_), Rooms), wall_place(Side, Sides, At), side_axis(Side, Axis),
-    Low is A1 + Margin, High is A2 - Length - Margin.
+    start_range(Part, Length, Margin, Range).
+
+%!  start_range(+Part, +Length, +Margin, -Range) is det.
+%
+%   Something of this Length starts within the Range, a Margin away from both ends of a Part of a wall.
+
+start_range(From-To, Length, Margin, Low-High) :- Low is From + Margin, High is To - Length - Margin.
 
 windows_sample([], _, _, []) --> [].
 windows_sample([window(R,Side)|Panes], Atoms, Rooms, [window(Box,R)|Windows]) -->

@@ -132,7 +132,7 @@ opening_sample(door(R,Q,_), Atoms-Types, Walls, Before, Door) -->
     joint_sample(R-Q, Atoms, T-U, Axis-At, A-B, Before, Door).
 opening_sample(Way, _, Walls, Before, door(Box,R,outside)) -->
     { outer_way(Way, R, Side), once(outer_wall(Walls, R, Side, At, Span)), length_of(door_width, Width), outer_margin(door_margin, Margin) },
-    { segment_range(Side, Span, Width, Margin, Axis, Range) },
+    { side_axis(Side, Axis), start_range(Span, Width, Margin, Range) },
     start_sample(Axis-At, Width, Range, Before, Start),
     { segment(Axis, At, Start, Width, Box) }.
 opening_sample(window(R,Side), Atoms-Types, Walls, _, window(Box,R)) -->
@@ -140,12 +140,9 @@ opening_sample(window(R,Side), Atoms-Types, Walls, _, window(Box,R)) -->
       Most is B - A - 2*Margin,
       window_range(Type, A-B, Most, Low-High) },
     interval_sample(Low, High, 1, Length),
-    { segment_range(Side, A-B, Length, Margin, Axis, First-Last) },
+    { side_axis(Side, Axis), start_range(A-B, Length, Margin, First-Last) },
     interval_sample(First, Last, 1, Start),
     { segment(Axis, At, Start, Length, Box) }.
 
 window_wall(Atoms, Walls, R, Side, At, A-B) :- memberchk(toward(R,Side,Q), Atoms), !, memberchk(wall(R,Side,Q,At,A,B), Walls).
 window_wall(_, Walls, R, Side, At, Span) :- once(outer_wall(Walls, R, Side, At, Span)).
-
-segment_range(Side, A-B, Length, Margin, Axis, Low-High) :-
-    side_axis(Side, Axis), Low is A + Margin, High is B - Length - Margin.
