@@ -31,6 +31,7 @@ from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.why.answer import file_name
 from vitruvius.logic.workers.explain import MAKING
 from vitruvius.logic.workers.messages import Explain, Explained, Judged, Lint, Made, MakeHouse
+from vitruvius.logic.workers.pool import late
 
 PLAN = 300
 """Side of the square of a plan, in CSS pixels; the page scales the plan."""
@@ -175,11 +176,11 @@ class Session:
 
     async def _house(self, pool: Pool, sheet: Sheet, index: int) -> dict[str, Any]:
         """Return house ``index`` and its plan, or the reason for its absence."""
-        late = f"house {index} reached its limit of {self._seconds:g} seconds: raise it with --seconds"
         try:
-            request = HouseRequest.read(sheet.asked())
+            request = HouseRequest.read(sheet.asked(), seconds=self._seconds)
             question = MakeHouse(request=request, seed=sheet.seed, index=index)
-            made = await pool.ask(lambda worker: worker.asked(question, Made, self._seconds, late))
+            said = late(request, index)
+            made = await pool.ask(lambda worker: worker.asked(question, Made, request.seconds, said))
             house = House.from_dict(made.house)
             drawing = plan(house, PLAN, PLAN, look=style([house], grammar=self._directory))
         except VitruviusError as error:
