@@ -1,14 +1,11 @@
-"""Value of the parts of the network that chooses views: ``vitruvius bench views``, in two ways.
+"""Value of the parts of the network that chooses views: ``vitruvius bench views``.
 
-Trained again: each variant learns from the same choices with the same number of updates. The choices are
-those of bodies that the untrained network leads. Then the variant chooses views in other such choices, in
-houses of validation seeds. The score is the chosen view's value in the true house, as a fraction of the best
-view's; errors are over houses. Choices and networks are kept, so that a stopped study can continue, and any
-network plays by ``vitruvius bench learning --agent runs/views/NETWORK.safetensors``.
-
-Removed from play: the released network without a part, for ``vitruvius bench learning --agent
-benchmarks.planner.views:without_memory``. Nothing is trained again, so a part that others could replace may
-seem more valuable than it is.
+Each variant learns from the same choices with the same number of updates. The choices are those of bodies
+that the untrained network leads. Then the variant chooses views in other such choices, in houses of
+validation seeds. The score is the chosen view's value in the true house, as a fraction of the best view's;
+errors are over houses. Choices and networks are kept, so that a stopped study can continue, and any network
+plays by ``vitruvius bench learning --agent runs/views/NETWORK.safetensors``. ``benchmarks.planner.changed``
+has agents with a part changed in play alone.
 """
 
 import hashlib
@@ -19,16 +16,14 @@ from typing import Any, NamedTuple, cast
 
 import numpy as np
 import torch
-from torch import Tensor, nn
+from torch import Tensor
 
 from benchmarks.common.houses import ROOMS, by_rooms, kept_houses
 from benchmarks.common.pages import write_arrays, write_tables
 from benchmarks.common.processes import say
-from benchmarks.planner.contenders import Maker, Shuffled
 from benchmarks.planner.explorers import SEED
 from benchmarks.planner.learning import clustered
-from vitruvius.agent.algorithms.build import policy_of
-from vitruvius.agent.algorithms.search.chooser import ViewChooser, best, by_parts
+from vitruvius.agent.algorithms.search.chooser import best, by_parts
 from vitruvius.agent.algorithms.search.config import SearchConfig
 from vitruvius.agent.algorithms.search.learner import MIN_HELD_BATCHES, LearnedSearch
 from vitruvius.agent.algorithms.search.network import ViewNetwork, cost, in_view, stands, unforeseen
@@ -36,15 +31,12 @@ from vitruvius.agent.algorithms.search.windows import FAR, LEVELS, PLACES, SCALE
 from vitruvius.agent.algorithms.table import PRESETS
 from vitruvius.agent.banks import bank_hash
 from vitruvius.agent.evaluation.tables import Table
-from vitruvius.agent.learning.environments import make_envs, shield
-from vitruvius.agent.planner import TUNED
-from vitruvius.agent.policies.policies import Explorer
+from vitruvius.agent.learning.environments import make_envs
 from vitruvius.agent.runs import checkpoint
 from vitruvius.agent.runs.checkpoint import Checkpoint
 from vitruvius.logic import House
 from vitruvius.logic.errors import RequestError
 from vitruvius.logic.spelling import unknown
-from vitruvius.sim import HouseVectorEnv
 
 AGENT = "search"
 
@@ -304,79 +296,3 @@ def shares(network: ViewNetwork, choices: ViewMaps) -> np.ndarray:
             chosen = best(network(maps), maps)[:, None]
             found.append(worth.gather(1, chosen)[:, 0] / worth.amax(1))
     return torch.cat(found).numpy()
-
-
-def _without(part: str) -> Maker:
-    """Return a maker of the released agent, without an input in play."""
-
-    def make(envs: HouseVectorEnv) -> Explorer:
-        policy, chooser, _ = _released(envs)
-        change = INPUTS[part]
-        chooser.picks = lambda _, maps: best(chooser.values(change(maps)), change(maps))
-        return policy
-
-    return make
-
-
-without_memory, without_finds, without_ages = _without("memory"), _without("finds"), _without("ages")
-without_since, without_start, without_scalars = _without("since"), _without("start"), _without("scalars")
-without_window = _without("window")
-
-
-def untrained(envs: HouseVectorEnv) -> Explorer:
-    """Return an agent with an untrained network, with the first weights of a preset's run."""
-    config = cast(SearchConfig, PRESETS[AGENT])
-    return cast(Explorer, policy_of(LearnedSearch.network_of(config), config, envs))
-
-
-def again_after(steps: int) -> Maker:
-    """Return a maker of the released agent that chooses again after ``steps`` steps instead of 32."""
-
-    def make(envs: HouseVectorEnv) -> Explorer:
-        chooser = ViewChooser(checkpoint.load(AGENT).network, envs.config)
-        return Explorer(shield(envs), envs.config, replace(TUNED, replan_interval=steps), chooser=chooser)
-
-    return make
-
-
-often, seldom = again_after(12), again_after(128)
-
-
-def without_looks(envs: HouseVectorEnv) -> Explorer:
-    """Return the released agent without the gains of views."""
-    policy, chooser, _ = _released(envs)
-    look = chooser.look
-
-    def blind(environments: np.ndarray, maps: ViewMaps) -> ViewMaps:
-        seen = look(environments, maps)
-        return seen._replace(shown=torch.zeros_like(seen.shown))
-
-    chooser.look = blind
-    return policy
-
-
-def foresight_elsewhere(envs: HouseVectorEnv) -> Explorer:
-    """Return the released agent with the predictions for another map, mostly of another house."""
-    policy, _, network = _released(envs)
-    network.completion = _Elsewhere(network.completion)
-    return policy
-
-
-class _Elsewhere(nn.Module):
-    """Network that returns the predictions for another row of a batch."""
-
-    def __init__(self, network: nn.Module) -> None:
-        super().__init__()
-        self.network, self.shuffled = network, Shuffled(network)
-
-    def forward(self, *given: Tensor) -> Any:
-        """Return the shuffled predictions: see ``Shuffled``."""
-        return self.shuffled(*given)
-
-
-def _released(envs: HouseVectorEnv) -> tuple[Explorer, ViewChooser, Any]:
-    """Return the released agent's policy, its chooser and its network."""
-    made = checkpoint.load(AGENT)
-    policy = cast(Explorer, policy_of(made.network, made.config, envs))
-    chooser = cast(ViewChooser, policy.tracker.chooser)
-    return policy, chooser, chooser.network

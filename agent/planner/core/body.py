@@ -43,5 +43,5 @@ class BodyModel(NamedTuple):
     led: bool
     """True if viewpoints are given from outside and the planner chooses none."""
 
-    drives: bool = False
+    drives: bool
     """True if the body is a disc that drives at any heading."""
