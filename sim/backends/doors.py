@@ -108,15 +108,12 @@ class Doors:
             world.pushes[at] = ti.cast(ti.cast(world.pushes[at], ti.i32) + 1, ti.u8)
 
     @staticmethod
-    def drawn(
-        config: Config, arrays: Mapping[str, np.ndarray], shapes: Sequence[Geometry], house: np.ndarray
-    ) -> list[np.ndarray]:
+    def drawn(config: Config, arrays: Mapping[str, np.ndarray], shape: Geometry, e: int) -> np.ndarray:
         """Return the closed doors: see ``Overlay``."""
-        boxes = []
-        for k, is_open in zip(house, open_doors(config, arrays, shapes, house), strict=True):
-            middle, half = shapes[k].doors[:, :2], shapes[k].doors[:, 2:]
-            boxes.append(np.hstack([middle - half, middle + half])[~is_open])
-        return boxes
+        first = e * int(arrays["doorways"][0])
+        closed = arrays["pushes"][first : first + len(shape.doors)] < config.closed_doors
+        middle, half = shape.doors[closed, :2], shape.doors[closed, 2:]
+        return np.hstack([middle - half, middle + half])
 
     @ti.func
     def count(self, doors: ti.template()):
@@ -196,17 +193,3 @@ class Doors:
                         hit = (ti.abs(ahead * slope[r] - aside) <= half) & (far >= 0) & nearer
                         distance[r] = ti.select(hit, far, distance[r])
                         kind[r] = ti.select(hit, ti.u32(ti.static(DOOR)), kind[r])
-
-
-def open_doors(
-    config: Config, arrays: Mapping[str, np.ndarray], shapes: Sequence[Geometry], house: np.ndarray
-) -> list[np.ndarray]:
-    """Return a mask (D,) bool of the open doors of each environment, in the order of ``Geometry.doors``.
-
-    ``arrays``: copies of the arrays of a world. Without closed doors, all are open.
-    """
-    counts = [len(shapes[k].doors) for k in house]
-    if not Doors.asked(config):
-        return [np.ones(count, bool) for count in counts]
-    pushes = arrays["pushes"].reshape(len(house), -1)
-    return [row[:count] >= config.closed_doors for row, count in zip(pushes, counts, strict=True)]

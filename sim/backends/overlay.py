@@ -81,10 +81,8 @@ class Overlay(Protocol):
         ...
 
     @staticmethod
-    def drawn(
-        config: Config, arrays: Mapping[str, np.ndarray], shapes: Sequence[Geometry], house: np.ndarray
-    ) -> list[np.ndarray]:
-        """Return boxes (n, 4) of the things to draw, for each environment in the houses (E,).
+    def drawn(config: Config, arrays: Mapping[str, np.ndarray], shape: Geometry, e: int) -> np.ndarray:
+        """Return boxes (n, 4) of the things to draw in environment ``e``, whose house has this shape.
 
         ``arrays``: copies of the arrays of ``ROWS``. A box is west, north, east, south, in metres.
         """

@@ -10,7 +10,6 @@ import numpy as np
 from vitruvius.logic import House
 from vitruvius.sim.arrays import ArrayRow
 from vitruvius.sim.backends.backend import Backend, Bank, Lattice
-from vitruvius.sim.backends.doors import open_doors
 from vitruvius.sim.backends.kinds import check_kinds
 from vitruvius.sim.config import Config
 from vitruvius.sim.geometry import check_lengths
@@ -312,16 +311,21 @@ class World:
 
         Entries after a house's last door are False.
         """
-        house = self.arrays["wholes"].numpy()[:, HOUSE]
-        found = open_doors(self.config, self.state, self.bank.geometries, house)
-        most = max(len(shape.doors) for shape in self.bank.geometries)
-        return np.array([np.pad(row, (0, most - len(row))) for row in found])
+        counts = np.array([len(shape.doors) for shape in self.bank.geometries])
+        doors = np.arange(counts.max()) < counts[self.arrays["wholes"].numpy()[:, HOUSE], None]
+        if "pushes" in self.arrays:
+            pushes = self.arrays["pushes"].numpy().reshape(self.num_envs, -1)
+            doors &= pushes[:, : counts.max()] >= self.config.closed_doors
+        return doors
 
     def drawn(self, e: int) -> np.ndarray:
         """Return boxes (n, 4) of the things of all overlays of an environment: west, north, east, south."""
-        house, shapes, arrays = self.arrays["wholes"].numpy()[:, HOUSE], self.bank.geometries, self.state
-        boxes = [overlay.drawn(self.config, arrays, shapes, house)[e] for overlay in self.kind.overlays]
-        return np.concatenate([np.zeros((0, 4)), *boxes])
+        house = self.arrays["wholes"].numpy()[e, HOUSE]
+        shape, boxes = self.bank.geometries[house], [np.zeros((0, 4))]
+        for overlay in self.kind.overlays:
+            arrays = {row.name: self.arrays[row.name].numpy() for row in overlay.ROWS}
+            boxes.append(overlay.drawn(self.config, arrays, shape, e))
+        return np.concatenate(boxes)
 
     @property
     def state(self) -> dict[str, np.ndarray]:
