@@ -11,7 +11,6 @@
 | ``state.pt.gz`` | the complete state of the run: for ``--resume`` |
 """
 
-import fcntl
 import gzip
 import io
 import json
@@ -44,6 +43,7 @@ from vitruvius.agent.runs.released import CheckpointError
 from vitruvius.agent.runs.watching import RunWatcher, Watching
 from vitruvius.logic import House, HouseSet, HouseStream
 from vitruvius.logic.errors import RequestError, VitruviusError
+from vitruvius.logic.files.replacing import lock_alone
 from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.opener import archive_of, content_of, opened, reason
 from vitruvius.logic.spelling import keywords
@@ -114,13 +114,9 @@ class Folder:
         """
         self.path.mkdir(parents=True, exist_ok=True)
         self._require_own()
-        with self.lock.open("a") as lock:
-            try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                raise RequestError(
-                    f"{self.path}: another run is active in this folder: choose another --out folder"
-                ) from None
+        with self.lock.open("a") as file:
+            busy = f"{self.path}: another run is active in this folder: choose another --out folder"
+            lock_alone(file.fileno(), busy)
             if not resume and any(
                 path.exists() for path in (self.config, self.agent, self.metrics, self.state)
             ):

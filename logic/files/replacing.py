@@ -89,6 +89,19 @@ def study_folder(folder: Path, replace: bool) -> Iterator[None]:
             folder.rmdir()
 
 
+def lock_alone(file: int, busy: str) -> None:
+    """Lock an open file or folder until it is closed.
+
+    Raises ``RequestError`` with the text ``busy`` if another process has locked it.
+    """
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise RequestError(busy) from None
+    except OSError:
+        pass  # some network file systems lock nothing, so that other commands remain unknown
+
+
 @contextmanager
 def alone_in(folder: Path) -> Iterator[None]:
     """Create and lock a folder for the only command that draws there. Remove it again if it stays empty.
@@ -99,14 +112,7 @@ def alone_in(folder: Path) -> Iterator[None]:
     folder.mkdir(parents=True, exist_ok=True)
     held = os.open(folder, os.O_RDONLY)
     try:
-        try:
-            fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise RequestError(
-                f"{folder}: another command is drawing to this folder: wait, or choose another"
-            ) from None
-        except OSError:
-            pass  # some network file systems lock no folder, so that other commands remain unknown
+        lock_alone(held, f"{folder}: another command is drawing to this folder: wait, or choose another")
         yield
     finally:
         os.close(held)

@@ -1,5 +1,6 @@
 """Runs survive a kill at any moment, and overwrite no other run."""
 
+import errno
 import gzip
 import io
 import json
@@ -241,6 +242,15 @@ def test_a_folder_that_another_run_works_in_is_refused(tmp_path):
         run(HOUSES, CONFIG, tmp_path / "run", resume=True)
     assert [path.name for path in (tmp_path / "run").iterdir()] == [".lock"]
     run(HOUSES, replace(CONFIG, steps=128), tmp_path / "run")  # a run that ended leaves the folder free
+
+
+def test_a_folder_of_a_file_system_without_locks_is_free(tmp_path, monkeypatch):
+    def no_locks(file, operation):
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr("fcntl.flock", no_locks)
+    with runs.Folder(tmp_path / "run").alone(resume=False):
+        pass
 
 
 def test_a_damaged_state_is_refused_in_one_line(folder):
