@@ -23,16 +23,17 @@ pytestmark = pytest.mark.second_part("processes of their own without a home, fil
 STEP = """
 import numpy as np
 from vitruvius import sim
+from vitruvius.sim import tracing
 envs = sim.HouseVectorEnv(num_envs=2)
 envs.reset(seed=0)
-print(envs.step(np.array([2, 2]))[0].shape, sim.runtime.KEEPS_KERNELS)
+print(envs.step(np.array([2, 2]))[0].shape, tracing.KEEPS_KERNELS)
 """
 
 START = """
 import numpy as np
-from vitruvius.sim import runtime
+from vitruvius.sim import runtime, tracing
 runtime.start()
-print(runtime.constants(np.ones(3, np.float32)).to_numpy().sum(), runtime.KEEPS_KERNELS)
+print(runtime.constants(np.ones(3, np.float32)).to_numpy().sum(), tracing.KEEPS_KERNELS)
 """
 """Smallest program that compiles a kernel. The simulator's own kernels take ten times as long."""
 

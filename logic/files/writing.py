@@ -67,28 +67,25 @@ def _require_place(folder: Path, out: Path) -> None:
 def write_whole(path: str | Path, content: bytes) -> None:
     """Write a file with this content as ``whole_file`` does.
 
-    A link stays a link, and its target is replaced. An existing file keeps its mode. A device or a pipe is
-    written directly. Raises ``OSError`` for a folder, or if writing fails.
+    A link stays a link, and its target is replaced. A device or a pipe is written directly.
+    Raises ``OSError`` for a folder, or if writing fails.
     """
     given, path = Path(path), Path(os.path.realpath(path))
     # In a circle of links the real path is still a link, for which ``stat`` raises. A pipe by its number, as
     # in /dev/stdout, has no other path.
-    before = given.stat() if given.exists() or path.is_symlink() else None
-    if before and not stat.S_ISREG(before.st_mode):
+    if (given.exists() or path.is_symlink()) and not stat.S_ISREG(given.stat().st_mode):
         with _errors_of(path):
             given.write_bytes(content)
         return
     with whole_file(path) as file:
         file.write(content)
-        if before:
-            os.fchmod(file.fileno(), stat.S_IMODE(before.st_mode))
 
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[BinaryIO]:
     """Open a temporary file, which is flushed to disk and renamed at the end: a kill leaves no partial file.
 
-    Raises ``OSError`` if this fails.
+    An existing file keeps its mode. Raises ``OSError`` if this fails.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
@@ -98,6 +95,8 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
                 yield file
                 file.flush()
                 os.fsync(file.fileno())
+            if path.exists():
+                beside.chmod(stat.S_IMODE(path.stat().st_mode))
             beside.replace(path)
     except BaseException:
         beside.unlink(missing_ok=True)

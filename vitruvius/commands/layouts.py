@@ -1,7 +1,7 @@
 """Work of ``vitruvius generate --count-layouts``."""
 
 import time
-from typing import TYPE_CHECKING
+from typing import Any
 
 from rich.progress import TextColumn
 
@@ -9,11 +9,8 @@ from vitruvius.logic.errors import RequestError
 from vitruvius.logic.spelling import numbered
 from vitruvius.logic.terminal import progress_bar
 
-if TYPE_CHECKING:
-    from vitruvius.commands.generate import Generate
 
-
-def count_layouts(command: "Generate") -> int:
+def count_layouts(command: Any) -> int:
     """Print the number of layouts of the rooms and of each type's furniture; return 4 if too many."""
     from vitruvius.answers.houses import Layouts
     from vitruvius.logic.workers.count import counted

@@ -4,7 +4,7 @@ import re
 import time
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 from vitruvius.logic.cluster import Cluster, engine
 from vitruvius.logic.dataset.formats import schema
@@ -19,11 +19,8 @@ from vitruvius.logic.spelling import numbered
 from vitruvius.logic.terminal import counting, say
 from vitruvius.logic.workers.pool import described
 
-if TYPE_CHECKING:
-    from vitruvius.commands.generate import Generate
 
-
-def make_shards(command: "Generate", asked: str) -> int:
+def make_shards(command: Any, asked: str) -> int:
     """Make the requested shards that do not exist, and after the last one the manifest."""
     began = time.monotonic()
     folder, parts = _require(command, asked)
@@ -43,7 +40,7 @@ def make_shards(command: "Generate", asked: str) -> int:
     return 0
 
 
-def _require(command: "Generate", asked: str) -> tuple[Path, int]:
+def _require(command: Any, asked: str) -> tuple[Path, int]:
     """Return the set's folder, and its number of shards. Raises ``RequestError`` for invalid options."""
     found = re.fullmatch(r"(all|\d+)/(\d+)", asked)
     if not found:
@@ -65,7 +62,7 @@ def _require(command: "Generate", asked: str) -> tuple[Path, int]:
     return command.out.resolve() if command.engine else command.out, parts
 
 
-def _set(command: "Generate", request: HouseRequest, parts: int) -> tuple[Set, list[Shard]]:
+def _set(command: Any, request: HouseRequest, parts: int) -> tuple[Set, list[Shard]]:
     """Return the set's description, and its shards. Raises ``RequestError`` for invalid options."""
     sizes = {"train": command.count, "validation": command.validation, "test": command.test}
     houses = {split: whole(split, number, 0) for split, number in sizes.items() if number}
@@ -95,7 +92,7 @@ def _set(command: "Generate", request: HouseRequest, parts: int) -> tuple[Set, l
     return of, of.divided()
 
 
-def _made(folder: Path, of: Set, shards: list[Shard], command: "Generate", cluster: Cluster | None) -> int:
+def _made(folder: Path, of: Set, shards: list[Shard], command: Any, cluster: Cluster | None) -> int:
     """Make shards that do not exist, one after the other or as tasks; return their number."""
     number = 0
     with counting(sum(len(shard.indices) for shard in shards), "houses") as advance:
