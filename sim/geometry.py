@@ -127,7 +127,7 @@ def _rows(boxes: Iterable[tuple[float, float, float, float]]) -> np.ndarray:
     return np.hstack([corners[:, :2] + corners[:, 2:], corners[:, 2:] - corners[:, :2]]) / 2
 
 
-FARTHEST = 512.0
+MAX_COORDINATE_M = 512.0
 """Largest distance of a house from the origin, in metres. The rounding error of a float32 coordinate is 4e-6
 m up to 128 m from the origin, and 8e-6 m up to 256 m. Up to 512 m it is 1.5e-5 m, more than the body's
 skin."""
@@ -151,7 +151,7 @@ def check_lengths(houses: Sequence[House]) -> None:
                     f"house {index} of {len(houses)}: {name} is at ({rect.x}, {rect.y}), {rect.width} x "
                     f"{rect.height}: all must be finite numbers in metres, and no side negative"
                 )
-            if max(map(abs, rect.box)) > FARTHEST:
+            if max(map(abs, rect.box)) > MAX_COORDINATE_M:
                 at = f"house {index} of {len(houses)}: {name}"
                 hint = ": House.from_grid centres a map there" if house.occupancy else ""
-                raise ValueError(f"{at} extends more than {FARTHEST:.0f} m from the origin{hint}")
+                raise ValueError(f"{at} extends more than {MAX_COORDINATE_M:.0f} m from the origin{hint}")

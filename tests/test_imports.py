@@ -236,7 +236,7 @@ def test_a_compiler_is_imported_in_one_place(name: str) -> None:
     assert sorted(users) == [Path("sim/compiler", file) for file in files]
 
 
-def test_the_public_names_of_the_package_are_those_of_logic_and_its_environments_the_simulators() -> None:
+def test_the_package_has_the_public_names_of_logic_and_the_environments_of_the_simulator() -> None:
     assert vitruvius.__all__ == vitruvius.logic.__all__
     assert all(getattr(vitruvius, name) is getattr(vitruvius.logic, name) for name in vitruvius.__all__)
     assert list(environments.BACKENDS) == list(BACKENDS)

@@ -39,7 +39,7 @@ def test_the_bounds_that_the_page_states_are_those_of_the_readers():
         f"{grammar.MOST_BYTES // mebi} MiB in all its rule files",
         f"{house_files.MOST_BYTES >> 30} GiB unpacked, {house_files.MOST_LINE // mebi} MiB a house",
         f"{parts.MOST_ROOMS:,} rooms, {parts.MOST_PIECES} pieces a room, {parts.MAX_COORDINATE_M:,.0f} m",
-        f"{geometry.FARTHEST:.0f} m to be simulated",
+        f"{geometry.MAX_COORDINATE_M:.0f} m to be simulated",
         f"{opener.MAX_BYTES // mebi} MiB, {opener.MAX_DEPTH} levels",
         f"{opener.MAX_VALUES:,} values, and numbers of {opener.MAX_DIGITS} digits",
         f"{brief.MOST_BYTES // mebi} MiB unpacked, {brief.MOST_ROOMS} rooms",

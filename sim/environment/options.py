@@ -16,7 +16,7 @@ SHAPES = {"house": (), "pose": (3,), "target": (2,), "reset_mask": ()}
 """Shapes of an environment's options."""
 
 
-FARTHEST_M = 1e6
+MAX_COORDINATE_M = 1e6
 """Largest distance of a place from the origin: further away, float32 does not resolve centimetres."""
 
 
@@ -164,7 +164,7 @@ def _floats(name: str, value: Any, shape: tuple[int, ...]) -> np.ndarray:
     except (TypeError, ValueError):
         raise ValueError(f"option {name}: give finite numbers of shape {shape}, not {value!r}") from None
     array = array.astype(np.float64)
-    if array.shape != shape or not (np.abs(array) < FARTHEST_M).all():
+    if array.shape != shape or not (np.abs(array) < MAX_COORDINATE_M).all():
         found = (
             f"shape {array.shape}" if array.shape != shape else ("values that are not finite or too far away")
         )
