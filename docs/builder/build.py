@@ -1,8 +1,9 @@
-"""Builder of the documentation site: ``./run docs`` writes it into ``runs/docs``, to open or to serve.
+"""Builder of the site: ``./run site`` writes it into ``runs/site``, a folder for any web server.
 
-Pages are Markdown files of the checkout, which also read well where they are. The builder copies them with
-everything that they link to, and adds the pages that are made from code (``pages.py``). Zensical makes HTML
-of the pages, and fails at a link or an anchor that leads nowhere.
+The site has the documentation, the playground and a report. Pages are Markdown files of the checkout, which
+also read well where they are. The builder copies them with everything that they link to, and adds the pages
+that are made from code (``pages.py``). Zensical makes HTML of the pages, and fails at a link or an anchor
+that leads nowhere. The documentation also opens from a folder, without a server or a network.
 """
 
 import os
@@ -19,6 +20,7 @@ from pathlib import Path
 import tyro
 
 from docs.builder.pages import MADE, listing, source
+from vitruvius.logic.browser.playground import folder as playground
 from vitruvius.logic.errors import RequestError, VitruviusError
 from vitruvius.logic.terminal import say
 
@@ -130,14 +132,17 @@ def pages_of(nav: list) -> Iterator[str]:
             yield from pages_of(value) if isinstance(value, list) else [value]
 
 
-def build(out: Path) -> None:
-    """Write the site into a folder, which it replaces. Raises ``RequestError`` for an error in a page."""
-    if out.exists() and not (out / "sitemap.xml").exists():
-        raise RequestError(f"--out {out}: this is there already, and is no site that could be replaced")
+def build(out: Path, report: Path) -> None:
+    """Write the site, with this report, into a folder, which it replaces.
+
+    Raises ``RequestError`` for an error in a page, and what the playground's ``write`` raises.
+    """
     config = (HERE / "zensical.toml").read_text()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         copy = Copy(folder / "pages")
+        playground.write(copy.folder / "playground")
+        copy.write(Path("report.html"), report.read_bytes())
         for page in pages_of(tomllib.loads(config)["project"]["nav"]):
             copy.copy(Path(page), Path("docs/builder/zensical.toml"))
         for static in STATIC:
@@ -154,14 +159,27 @@ def build(out: Path) -> None:
         shutil.move(folder / "site", out)
 
 
-def main(out: Path = ROOT / "runs" / "docs") -> None:
-    """Build the documentation as a site, which a browser opens without a server or a network."""
+def _report(run: Path) -> Path:
+    """Return the report of a run, after the demo has made it if it is missing."""
+    report = run / "report.html"
+    if not report.exists():
+        say(f"{report}: missing, so that the demo runs first")
+        demo = [sys.executable, "-m", "vitruvius.cli", "demo", "--out", str(run)]
+        if failed := subprocess.run(demo, check=False).returncode:
+            sys.exit(failed)
+    return report
+
+
+def main(out: Path = ROOT / "runs" / "site", run: Path = ROOT / "runs" / "demo") -> None:
+    """Build the site with the report of a run: by default the demo's, which is run if there is none."""
     try:
-        build(out)
+        if out.exists() and not (out / "sitemap.xml").exists():
+            raise RequestError(f"--out {out}: already exists, and is not a site: choose a new folder")
+        build(out, _report(run))
     except VitruviusError as error:
         say(f"error: {error}")
         sys.exit(error.exit_code)
-    say(f"{out / 'index.html'}: open it in a browser")
+    say(f"{out / 'index.html'}: open it in a browser, or publish the folder {out}")
 
 
 if __name__ == "__main__":

@@ -193,6 +193,7 @@ def _items(folder: Path) -> Iterator[str]:
 
 
 MADE: dict[str, Callable[[Path], str]] = {
+    "docs/try.md": lambda _: (ROOT / "docs" / "builder" / "try.txt").read_text(),
     "docs/reference/schema.md": schema,
     "docs/reference/vitruvius.md": package("vitruvius", "Houses: make, check, explain, read and write them."),
     "docs/reference/sim.md": package(

@@ -1,5 +1,6 @@
-"""Documentation as a site: it builds without a warning, needs no network, and its search no server."""
+"""Site: it builds without a warning, its pages need no network, and their search needs no server."""
 
+import json
 import sys
 import tomllib
 from collections.abc import Iterator
@@ -14,6 +15,8 @@ from docs.builder.build import Copy, pages_of
 from tests.browsing import cut_on_paper, findings, too_wide
 from tests.docs.reader import ROOT
 from tests.programs import finished
+from vitruvius.agent.report.folder import write_report
+from vitruvius.logic import generate, save
 from vitruvius.logic.errors import RequestError
 
 pytestmark = pytest.mark.second_part("all commands of pages are run, and the site is opened in a browser")
@@ -23,11 +26,14 @@ BUILD = [sys.executable, "-m", "docs.builder.build"]
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Build the site as ``./run docs`` does."""
-    folder = tmp_path_factory.mktemp("docs") / "site"
-    built = finished([*BUILD, "--out", str(folder)])
+    """Build the site as ``./run site`` does after the demo, with the report of a run of one house."""
+    run = tmp_path_factory.mktemp("docs")
+    save(generate(rooms=2), run / "houses.jsonl")
+    write_report(run, None, {})
+    built = finished([*BUILD, "--out", str(run / "site"), "--run", str(run)])
     assert (built.returncode, built.stdout) == (0, ""), built.stderr
-    assert built.stderr == f"{folder / 'index.html'}: open it in a browser\n"
+    index, folder = run / "site" / "index.html", run / "site"
+    assert built.stderr == f"{index}: open it in a browser, or publish the folder {folder}\n"
     return folder
 
 
@@ -61,6 +67,12 @@ def broken(site: Path) -> Iterator[str]:
 
 def test_every_link_between_its_pages_leads_somewhere(site: Path) -> None:
     assert not [*broken(site)]
+
+
+def test_it_has_the_playground_and_the_report_of_the_run(site: Path) -> None:
+    assert {"../playground/index.html", "../report.html"} <= Links(site / "docs/try.html").links
+    assert "family" in json.loads((site / "playground/rules.json").read_text())["grammars"]
+    assert (site / "report.html").read_bytes() == (site.parent / "report.html").read_bytes()
 
 
 def test_it_has_every_page_of_the_documentation(site: Path) -> None:
@@ -103,7 +115,14 @@ def test_opened_as_a_file_it_finds_words_and_asks_nothing_of_a_network(site: Pat
 
 @pytest.mark.parametrize(
     "name",
-    ["index", "docs/gallery", "docs/command-line", "docs/reference/schema", "docs/tutorials/first_house"],
+    [
+        "index",
+        "docs/try",
+        "docs/gallery",
+        "docs/command-line",
+        "docs/reference/schema",
+        "docs/tutorials/first_house",
+    ],
 )
 def test_pages_fit_screens_and_paper_and_axe_finds_nothing(site: Path, page: Page, name: str) -> None:
     page.goto((site / f"{name}.html").as_uri())
@@ -136,5 +155,5 @@ def test_a_folder_that_is_no_site_is_not_replaced(tmp_path: Path) -> None:
     (tmp_path / "mine").touch()
     ended = finished([*BUILD, "--out", str(tmp_path)])
     assert ended.returncode == 2
-    assert "no site that could be replaced" in ended.stderr
+    assert "already exists, and is not a site" in ended.stderr
     assert (tmp_path / "mine").exists()

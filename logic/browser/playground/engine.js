@@ -5,6 +5,7 @@ import { element } from "./dom.js";
 import { deflated, inflated, zip } from "./packing.js";
 
 const FIRST = "home"; // the grammar where the address names none
+const OPENED = "sizes.pl"; // the file that is shown first: a number changed there changes the houses at once
 const TYPING = 300; // milliseconds without a key, after which the rules are read
 const GRACE = 3000; // milliseconds that the solvers have to leave an older question
 const LIMIT = 30_000; // milliseconds for a house, or for a proof that there is none
@@ -21,6 +22,7 @@ let version = 0;
 let changes = () => {}; // where the page takes rules
 let tell = () => {}; // where it takes a line
 let typing = 0;
+let isLoading = false;
 
 let worker = null;
 let asked = null; // { id, question, onPart, resolve, reject, timer }, the open question
@@ -33,17 +35,16 @@ export const engine = {
   briefs: false,
   why: null,
 
-  async open(onRules, onLost) {
-    [changes, tell] = [onRules, onLost];
+  async open(onRules, onLost, onStatus) {
+    [changes, tell] = [onRules, onStatus];
     if (typeof WebAssembly !== "object" || typeof Worker !== "function")
-      return tell("The solvers need WebAssembly, which this browser lacks: use a newer one, or install Vitruvius.");
+      return onLost("The solvers need WebAssembly, which this browser lacks: use a newer one, or install Vitruvius.");
     try {
       bundle = await (await fetch("rules.json")).json();
     } catch (error) {
-      return tell(`The rules cannot be read (${error.message}): serve this folder, as vitruvius playground does.`);
+      return onLost(`The rules cannot be read (${error.message}): serve this folder, as vitruvius playground does.`);
     }
     controls();
-    tell("Loading the solvers, 7 MB.");
     const { grammar: named, edits } = await said();
     if (edits) begin(named, edits, null);
     else take(named, null);
@@ -145,6 +146,7 @@ async function changed(gesture) {
   changes({
     version,
     grammar: isEdited() ? `${grammar}-edited` : grammar,
+    first: OPENED,
     before: isEdited() ? "These rules are changed: press “Rules as a zip”, unpack the file, and beside it run" : "",
     files: Object.entries(files).map(([name, text]) => ({ name, text })),
   });
@@ -191,9 +193,13 @@ function end(text) {
 
 function started() {
   const begun = new Worker("worker.js");
+  isLoading = true;
   begun.onerror = (event) => end(event.message ? `The solvers cannot be started: ${event.message}.` : GONE);
-  begun.onmessage = ({ data: { id, part, done, error, unloaded } }) => {
+  begun.onmessage = ({ data: { id, part, done, error, loaded, unloaded } }) => {
     if (unloaded) return end(`${GONE} (${unloaded})`);
+    if (loaded) return tell(loading(loaded));
+    if (isLoading) tell("Drawing.");
+    isLoading = false;
     if (asked?.id !== id) return;
     clearTimeout(asked.timer);
     if (part) asked.onPart(part);
@@ -202,6 +208,13 @@ function started() {
     else asked.timer = setTimeout(end, LIMIT, LATE);
   };
   return begun;
+}
+
+/** How far the solvers are loaded, in words. */
+function loading(bytes) {
+  const all = Object.values(bundle.bytes).reduce((sum, each) => sum + each);
+  const megabytes = (number) => (number / 1e6).toFixed(1);
+  return bytes < all ? `Loading the solvers: ${megabytes(bytes)} of ${megabytes(all)} MB.` : "Starting the solvers.";
 }
 
 /** What this page has beside that of a folder of rules: whose rules to begin with, a way to stop, files to keep. */

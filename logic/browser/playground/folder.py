@@ -13,6 +13,9 @@ from vitruvius.logic.errors import RequestError
 HERE = Path(__file__).parent
 PAGE = HERE.parent / "watch" / "page"
 
+SOLVERS = ("clingo/clingo.wasm", "swipl/swipl-web.wasm", "swipl/swipl-web.data")
+"""Large files of the page: clingo, SWI-Prolog and its library. The page shows how much of them is loaded."""
+
 PACKAGES = {
     "clingo": ("clingo-wasm", ("dist/clingo.js", "dist/clingo.wasm", "LICENSE")),
     "swipl": (
@@ -57,7 +60,8 @@ def _fill(folder: Path, packages: Path) -> None:
         (folder / name).mkdir()
         for file in files:
             shutil.copy(packages / package / file, folder / name)
-    (folder / "rules.json").write_text(json.dumps(bundle()), encoding="utf-8")
+    data = bundle() | {"bytes": {name: (folder / name).stat().st_size for name in SOLVERS}}
+    (folder / "rules.json").write_text(json.dumps(data), encoding="utf-8")
 
 
 def solvers() -> Path:

@@ -13,6 +13,7 @@ from playwright.sync_api import Page, expect
 
 from tests.browsing import answered_under_the_finger, box, cut_on_paper, findings, line_is_seen, too_wide
 from tests.logic.browser.answers import answered
+from tests.docs.reader import ROOT
 from tests.programs import PATIENCE
 from vitruvius.logic import House, check, generate
 from vitruvius.logic.browser.playground import folder
@@ -78,6 +79,18 @@ def test_the_first_houses_that_one_sees_are_homes_with_an_entrance(page, at):
     expect(page.locator("[hidden]:visible")).to_have_count(0)
 
 
+def test_while_solvers_load_the_page_shows_how_much_has_come_and_grey_cards(page, at):
+    held = []
+    page.route("**/clingo.wasm", lambda route: held.append(route))  # noqa: PLW0108 (playwright marks it)
+    page.goto(f"{at}?grammar=family#rooms=2&count=2")
+    expect(page.locator("#status")).to_have_text("Loading the solvers: 3.8 of 6.5 MB.", timeout=WHOLE)
+    expect(page.locator("#sheet li:empty")).to_have_count(2)
+    expect(page.get_by_role("tab", selected=True)).to_have_text("sizes.pl")
+    held[0].continue_()
+    expect(page.locator("#sheet li:not(.old) svg")).to_have_count(2, timeout=WHOLE)
+    expect(page.locator("#sheet li")).to_have_count(2)
+
+
 def test_random_numbers_are_those_of_numpy(opened):
     seeds = [[0, 0], [2**31 - 1, 127], [12345678901234, 5]]
     found = opened.evaluate(
@@ -141,6 +154,36 @@ def test_a_proof_names_the_rules_that_conflict(page, at):
         "D >= 4.9, D =< 5 }.",
     ):
         expect(answer).to_contain_text(reason)
+
+
+def test_the_playgrounds_tutorial_leads_where_it_says(page, at):
+    text = (ROOT / "docs" / "tutorials" / "playground.md").read_text()
+    shown, types, size, may = (block.strip() for block in re.findall(r"```prolog\n(.*?)```", text, re.DOTALL))
+    answer, status, mistakes = (page.locator(each) for each in ("#answer", "#status", "#findings li"))
+    drawn(page, f"{at}?grammar=family#rooms=4&count=1")
+    edit(page, "sizes.pl", shown, shown.replace("D >= 3.2, D =< 5.2", "D >= 6.2, D =< 8.2"))
+    expect(page.locator("#command")).to_contain_text("family-edited")
+    expect(status).to_contain_text("drawn in", timeout=WHOLE)
+    page.get_by_role("button", name="As shipped").click()
+    edit(page, "rooms.lp", types.replace("; study", ""), types)
+    expect(mistakes.first).to_contain_text("study", timeout=WHOLE)
+    hall = next(
+        line for line in rules("family")["sizes.pl"].splitlines() if line.startswith("room_size(hall")
+    )
+    edit(page, "sizes.pl", hall, f"{hall}\n{size}")
+    edit(page, "furniture.lp", "may(bedroom,", f"{may}\nmay(bedroom,")
+    page.locator("[name='type.study']").fill("1")
+    expect(page.locator("#sheet [data-part*='.desk']").first).to_be_visible(timeout=WHOLE)
+    edit(page, "furniture.lp", "may(study,desk", "may(study,dek")
+    expect(mistakes.first).to_contain_text("furniture.lp:3:11", timeout=WHOLE)
+    expect(mistakes.first).to_contain_text("did you mean desk?")
+    edit(page, "furniture.lp", "may(study,dek", "may(study,desk")
+    page.locator("[name=rooms]").fill("3")
+    for reason in ("rooms: 3", "study: 1", *re.findall(r"^- `(.*?\.)`, line", text, re.MULTILINE)):
+        expect(answer).to_contain_text(reason, timeout=WHOLE)
+    expect(answer).to_contain_text("There is a house with 4 rooms, or without study: 1.", timeout=WHOLE)
+    edit(page, "rooms.lp", ":- rooms >= 3", "% :- rooms >= 3")
+    expect(status).to_contain_text("drawn in", timeout=WHOLE)
 
 
 def test_rules_without_end_are_stopped_and_the_page_goes_on(page, at):

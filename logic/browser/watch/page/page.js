@@ -5,8 +5,9 @@
 //
 //   editable: boolean               whether the page may change the rule files: it calls write() then
 //   briefs: boolean                 whether it makes houses by a brief
-//   open(onRules, onLost)           begin: call onRules(rules) now and after each change of a rule file, and
-//                                   onLost(text) when no more will come, with what the user can do about it
+//   open(onRules, onLost, onStatus) begin: call onRules(rules) now and after each change of a rule file,
+//                                   onLost(text) when no more will come, with what the user can do about it, and
+//                                   onStatus(text) of what the user may want to know
 //   write(name, text)               a rule file has this text from now on; leads to onRules(rules)
 //   travel(): Promise<boolean>      optional: the address is another one (Back, Forward): whether that leads to
 //                                   onRules(rules)
@@ -19,9 +20,9 @@
 //
 // where
 //
-//   rules   = {version, grammar, files: [{name, text}], before?}
+//   rules   = {version, grammar, files: [{name, text}], before?, first?}
 //             version: a number, greater for each change; grammar: what --grammar takes, a name or a folder;
-//             before: what the user does first where there is no such folder yet
+//             before: what the user does first where there is no such folder yet; first: the file to show first
 //   request = {rooms, seed, count, types: {bedroom: 2, hall: [0, 1]}, furniture: {"bedroom.bed": [1, null]}, brief?}
 //             a count is exact, or the least and the greatest number, null for no bound; brief: see docs/briefs.md
 //   part    = {kinds: {types: {bedroom: ["bed", ...]}, most_rooms}}   comes first, where the rules are right
@@ -45,7 +46,7 @@ import { initBrief, readBrief, readBriefAddress, showTypes } from "./brief.js";
 import { byId, element } from "./dom.js";
 import { initRequest, readAddress, readRequest, showCommand, showKinds } from "./request.js";
 import { showFindings, showRules } from "./rules.js";
-import { firstHouse, initSheet, keepFirst, mark, setOutdated, showHouse, showProblem } from "./sheet.js";
+import { dropWaiting, firstHouse, initSheet, keepFirst, mark, setOutdated, showHouse, showProblem, showWaiting } from "./sheet.js";
 
 /** Milliseconds after which it is said that an answer is on its way. */
 const PATIENCE = 500;
@@ -55,13 +56,14 @@ let linted = 0;
 let linting = new AbortController();
 let drawing = new AbortController();
 let asking = new AbortController();
+let patience = 0;
 
 /** Other rules: what is shown of the old ones is out of date at once. */
 function receive(newRules) {
   rules = newRules;
   linting.abort();
   byId("grammar").textContent = rules.grammar;
-  showRules(rules.files, engine.editable ? engine.write : null);
+  showRules(rules.files, engine.editable ? engine.write : null, rules.first);
   redraw();
 }
 
@@ -72,11 +74,13 @@ async function redraw() {
   if (!request || brief === null) return refuse();
   if (brief) Object.assign(request, { rooms: brief.rooms.length, types: {}, furniture: {}, brief });
   clear();
+  showWaiting(request.count);
   const { signal } = drawing;
   const { version, grammar, before } = rules;
   const asked = performance.now();
   showCommand(grammar, before, Boolean(brief));
-  const late = setTimeout(() => signal.aborted || say("Drawing."), PATIENCE);
+  clearTimeout(patience);
+  patience = setTimeout(() => signal.aborted || say("Drawing."), PATIENCE);
   let right = true;
   try {
     await engine.sheet(version, request, (part) => {
@@ -86,8 +90,9 @@ async function redraw() {
     right = false;
     if (!signal.aborted) say(error.message);
   }
-  clearTimeout(late);
   if (signal.aborted) return;
+  clearTimeout(patience);
+  if (!right) dropWaiting();
   byId("sheet").dataset.version = version;
   if (!right) return;
   keepFirst(request.count);
@@ -197,7 +202,12 @@ initAnswer(() => {
 });
 byId("hint").textContent = `Choose a room, a piece, a door or a window to see ${engine.why ? "why it is there" : "what it is"}`
   + "; or arrow keys, then Enter.";
+showWaiting(readRequest()?.count ?? 0);
 engine.open(receive, (text) => {
   linting.abort();
+  dropWaiting();
+  say(text);
+}, (text) => {
+  clearTimeout(patience); // what the engine says is more than that it works
   say(text);
 });

@@ -9,14 +9,14 @@ let write = null;
 
 /**
  * Show these files. Where they may be changed, `onWrite(name, text)` is called for each change; else the one
- * that has changed comes to the front.
+ * that has changed comes to the front. `first` names the file that is shown first.
  */
-export function showRules(newFiles, onWrite) {
+export function showRules(newFiles, onWrite, first) {
   const changed = files.length ? newFiles.find(({ name, text }) => text !== textOf(name)) : undefined;
   const before = changed ? textOf(changed.name) : "";
   files = newFiles;
   write = onWrite;
-  if (!files.some((file) => file.name === shown)) shown = files[0]?.name ?? "";
+  if (!files.some((file) => file.name === shown)) shown = files.find(({ name }) => name === first)?.name ?? files[0]?.name ?? "";
   draw();
   if (changed && !write) goTo(changed.name, firstDifference(before, changed.text));
 }

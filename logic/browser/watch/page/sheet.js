@@ -56,6 +56,16 @@ export function setOutdated() {
   for (const cell of sheet().children) cell.classList.add("old");
 }
 
+/** Grey cells where houses will come: so many cells in all, if there are not more. */
+export function showWaiting(count) {
+  if (count) cellOf(count - 1);
+}
+
+/** No cells of houses that will not come. */
+export function dropWaiting() {
+  for (const cell of [...sheet().children]) if (!cell.hasChildNodes()) cell.remove();
+}
+
 /** No more than these cells. */
 export function keepFirst(count) {
   while (sheet().children.length > count) sheet().lastChild.remove();
