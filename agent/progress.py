@@ -7,7 +7,7 @@ from time import perf_counter
 
 from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
-from vitruvius.logic.terminal import progress_bar
+from vitruvius.logic.bars import progress_bar
 
 Report = Callable[[float, str], None]
 """Function that is called with the fraction done, 0 to 1, and a few words."""

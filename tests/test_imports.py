@@ -35,6 +35,7 @@ FOLDERS = {
             "copies",
             "includes",
             "grammar",
+            "bars",
             "terminal",
             "cluster",
         ),

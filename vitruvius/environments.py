@@ -1,7 +1,6 @@
 """The environments that Gymnasium knows by name once ``vitruvius`` is imported."""
 
 import sys
-from importlib.abc import MetaPathFinder
 from importlib.machinery import ModuleSpec
 from importlib.util import find_spec
 from types import ModuleType
@@ -36,7 +35,7 @@ def register() -> None:
     add("Vitruvius/MiniGrid-v0", entry_point="vitruvius.sim.adapters.minigrid:MiniGridHouseEnv")
 
 
-class _Registering(MetaPathFinder):
+class _Registering:
     """Registers the environments after the first import of Gymnasium."""
 
     def find_spec(self, fullname: str, path: Any, target: ModuleType | None = None) -> ModuleSpec | None:

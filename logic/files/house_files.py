@@ -12,7 +12,6 @@ import msgspec
 from vitruvius.logic.encoding import MARKS
 from vitruvius.logic.errors import HouseFileError, RequestError
 from vitruvius.logic.files.gallery import Houses
-from vitruvius.logic.files.ros_map import DESCRIPTIONS, PICTURES, read_map
 from vitruvius.logic.files.writing import require_ending, write_whole
 from vitruvius.logic.grammar import shipped
 from vitruvius.logic.house.house import House
@@ -21,6 +20,9 @@ from vitruvius.logic.spelling import closest, quoted
 
 HOUSE_FILES = (".jsonl", ".jsonl.gz", ".json", ".json.gz")
 """Suffixes of house files."""
+
+DESCRIPTIONS, PICTURES = (".yaml", ".yml"), (".pgm", ".png", ".bmp")
+"""Suffixes of the files of a ROS map."""
 
 MOST_BYTES, MOST_LINES, MOST_LINE = 1 << 30, 1 << 20, 1 << 25
 """Limits of an unpacked house file: bytes, lines, and bytes of one house."""
@@ -43,6 +45,8 @@ def load(path: str | Path, file: BinaryIO | None = None, *, whole_pixels: bool =
         raise HouseFileError(f"{path}: a picture, not a house file: for a map, give its .yaml file")
     try:
         if path.suffix.lower() in DESCRIPTIONS and not path.is_dir():
+            from vitruvius.logic.files.ros_map import read_map  # It imports PyYAML and Pillow.
+
             return Houses([House.of_map(read_map(path))])
         with file or opened(path, MOST_BYTES) as content:
             houses = Houses(_houses(content, path, whole_pixels))

@@ -24,9 +24,6 @@ from vitruvius.logic.house.occupancy import FREE, MOST_CELLS, OCCUPIED, UNKNOWN,
 from vitruvius.logic.opener import content_of, opened
 from vitruvius.logic.spelling import unknown
 
-DESCRIPTIONS, PICTURES = (".yaml", ".yml"), (".pgm", ".png", ".bmp")
-"""Suffixes of a map's files."""
-
 FORMATS = ("PNG", "PPM", "BMP")
 """Formats of Pillow that are read. Its format PPM includes PGM."""
 

@@ -10,7 +10,6 @@ from collections.abc import Iterable
 
 from clingo import Symbol
 
-from vitruvius.logic.checking.check import faults
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.promises import Promises
 from vitruvius.logic.language.loaded import LoadedGrammar
@@ -26,6 +25,8 @@ OF_PLANS = ("rooms", "doors", "windows")
 
 def require_tiling(house: House, layout: Iterable[Symbol], loaded: LoadedGrammar) -> None:
     """Raise ``GrammarError`` if the rooms of a layout form no plan, at the rules that cause it."""
+    from vitruvius.logic.checking.check import faults  # It imports shapely, which no other house needs.
+
     for fault in faults(house, Promises(), OF_PLANS):
         named = {*fault.rooms}
         edges = [atom for atom in layout if atom.name == "edge"]

@@ -11,7 +11,6 @@ from vitruvius.logic.plain import plain
 from vitruvius.logic.request.brief import Brief, alone, read_brief
 from vitruvius.logic.request.counts import Count, range_of, ranges_of, real, whole
 from vitruvius.logic.request.fixed_rooms import FixedRoom, fixed_rooms
-from vitruvius.logic.request.given_plan import SNAP, keeping, read_plan
 from vitruvius.logic.request.house_request import DEFAULT, INFERENCES, SECONDS, HouseRequest
 from vitruvius.logic.request.own_plan import OwnPlan
 from vitruvius.logic.spelling import keywords
@@ -85,6 +84,11 @@ def house_request(rooms: int | tuple[int, int] | None = None, **stated: Unpack[S
 def _plan_and_fixed(stated: Stated, rules: Grammar) -> tuple[OwnPlan | None, tuple[FixedRoom, ...]]:
     """Return the plan, and the kept rooms of a star. Kept rooms of other houses are part of the plan."""
     plan, source, keep = None, stated.get("plan"), stated.get("keep")
+    if source is None and keep is None:
+        return None, ()
+    # The readers of plans take as long to import as all other modules of a request.
+    from vitruvius.logic.request.given_plan import SNAP, keeping, read_plan
+
     if source is not None:
         how = stated.get("plan_unit"), stated.get("snap", SNAP), stated.get("storey")
         plan = read_plan(plain(source), *how, rules.types)

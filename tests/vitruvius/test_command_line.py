@@ -308,13 +308,13 @@ def test_headings_are_bold_on_a_terminal_alone_and_not_where_no_colour_is_wanted
 def test_on_a_terminal_work_shows_its_rate_and_the_time_that_is_left(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setenv("TTY_COMPATIBLE", "1")
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     assert len(list(progress((time.sleep(0.15) for _ in range(4)), 4, "houses"))) == 4
     assert re.search(r"houses.*100%.*\d/s.*0:00:00", capsys.readouterr().err)
     with agent_progress("training") as report:
         report(0.5, "0.10 M steps")
     assert re.search(r"training.*50%.*left.*0.10 M steps", capsys.readouterr().err)
-    monkeypatch.setenv("TTY_COMPATIBLE", "0")
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: False)
     with agent_progress("training") as report:
         report(0.5, "0.10 M steps")
     assert (list(progress([1], 1, "houses")), capsys.readouterr().err) == ([1], "")

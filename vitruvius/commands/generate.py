@@ -328,14 +328,14 @@ class Generate:
     @cached_property  # the standard input can be read only once
     def _house_kept(self) -> House | None:
         """Return the house whose rooms are kept. Raises ``RequestError`` if there is none."""
-        from vitruvius.logic import load
-
         if self.keep is None:
             if self.keep_house or self.keep_rooms:
                 raise RequestError(
                     "--keep-house and --keep-rooms need a house file: give it with --keep FILE"
                 )
             return None
+        from vitruvius.logic import load
+
         houses = load(self.keep)
         if not 0 <= self.keep_house < len(houses):
             raise RequestError(

@@ -5,9 +5,9 @@ from typing import Any
 
 from rich.progress import TextColumn
 
+from vitruvius.logic.bars import progress_bar
 from vitruvius.logic.errors import RequestError
 from vitruvius.logic.spelling import numbered
-from vitruvius.logic.terminal import progress_bar
 
 
 def count_layouts(command: Any) -> int:

@@ -26,8 +26,7 @@ from vitruvius.info.reading import (
 )
 from vitruvius.logic import load
 from vitruvius.logic.dataset.sets import SET
-from vitruvius.logic.files.house_files import HOUSE_FILES, stopped_by
-from vitruvius.logic.files.ros_map import DESCRIPTIONS, PICTURES
+from vitruvius.logic.files.house_files import DESCRIPTIONS, HOUSE_FILES, PICTURES, stopped_by
 from vitruvius.logic.grammar import shipped
 from vitruvius.logic.opener import STANDARD
 from vitruvius.logic.spelling import closest, quoted, unknown
