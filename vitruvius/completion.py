@@ -14,9 +14,9 @@ import tyro
 class Completion:
     """Print a script with which your shell completes commands, options and their values.
 
-    bash: add eval "$(vitruvius completion bash)" to ~/.bashrc.
+    bash: add ``eval "$(vitruvius completion bash)"`` to ``~/.bashrc``.
 
-    zsh: vitruvius completion zsh > ~/.zfunc/_vitruvius, where fpath contains ~/.zfunc.
+    zsh: ``vitruvius completion zsh > ~/.zfunc/_vitruvius``, where ``fpath`` contains ``~/.zfunc``.
     """
 
     shell: tyro.conf.Positional[Literal["bash", "zsh"]]

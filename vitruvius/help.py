@@ -55,14 +55,13 @@ def of_command(prog: str, about: str, options: Iterable["Option"], width: int | 
     options, width = list(options), width or columns()
     positional = [option for option in options if option.positional]
     named = [option for option in options if not option.positional]
-    required = [_name(option) for option in named if option.default is MISSING]
-    parts = [f"usage: {' '.join([prog, *map(_argument, positional), *required, '[OPTIONS]'])}", ""]
-    for paragraph in about.strip().split("\n\n"):
+    parts = [f"usage: {usage(prog, options)}", ""]
+    for paragraph in about.replace("``", "").strip().split("\n\n"):
         parts += [*_wrapped(paragraph, width, 0), ""]
     groups = {"Arguments": positional} if positional else {}
     for title, members in groupby(named, lambda option: option.group):
         groups[title] = [*groups.get(title, []), *members]
-    entries = {title: [(_name(each), sentence(each)) for each in groups[title]] for title in groups}
+    entries = {title: [(option_name(each), sentence(each)) for each in groups[title]] for title in groups}
     longest = max(
         (len(name) for each in entries.values() for name, _ in each if len(name) <= LONGEST), default=0
     )
@@ -72,6 +71,13 @@ def of_command(prog: str, about: str, options: Iterable["Option"], width: int | 
             parts += entry(name, text, longest, width)
         parts.append("")
     return "\n".join(parts).rstrip()
+
+
+def usage(prog: str, options: Iterable["Option"]) -> str:
+    """Return the line of usage of a command, as in ``convert FILE --out PATH [OPTIONS]``."""
+    positional = [_argument(option) for option in options if option.positional]
+    required = [option_name(each) for each in options if not each.positional and each.default is MISSING]
+    return " ".join([prog, *positional, *required, "[OPTIONS]"])
 
 
 def sentence(option: "Option") -> str:
@@ -100,7 +106,7 @@ def _argument(option: "Option") -> str:
     return name if option.default is MISSING or name.startswith("[") else f"[{name}]"
 
 
-def _name(option: "Option") -> str:
+def option_name(option: "Option") -> str:
     """Return an option as in ``--seed N``, ``--resume`` or ``--[no-]map``."""
     if option.positional:
         return option.metavar.strip("[]")

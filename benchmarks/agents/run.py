@@ -60,7 +60,7 @@ class Agents:
     """Write into the folder even if it holds other files."""
 
     publish: bool = False
-    """Copy the page and its pictures into docs."""
+    """Copy the page, with its pictures and data, into docs."""
 
     def run(self) -> None:
         """Train, evaluate and write the page."""

@@ -73,7 +73,7 @@ class BriefStudy:
     """Write into the folder even if it holds other files."""
 
     publish: bool = False
-    """Copy the page into docs."""
+    """Copy the page, with its pictures and data, into docs."""
 
     def run(self) -> None:
         """Answer the briefs, score the answers, and write the page."""

@@ -142,7 +142,7 @@ class Homes:
     """Write into the folder even if it holds other files."""
 
     publish: bool = False
-    """Copy both into docs."""
+    """Copy the page, with its pictures and data, into docs."""
 
     def run(self) -> None:
         """Make the houses, measure them, and write the page and the picture."""

@@ -41,7 +41,7 @@ class Generator:
     """Write into the folder even if it holds other files."""
 
     publish: bool = False
-    """Copy the page and its plot into docs."""
+    """Copy the page, with its pictures and data, into docs."""
 
     def run(self) -> None:
         """Measure, draw, write the page and print the fitted laws."""

@@ -181,7 +181,7 @@ class Sampling:
     """Write into the folder even if it holds other files."""
 
     publish: bool = False
-    """Copy the page, its figures and its picture into docs."""
+    """Copy the page, with its pictures and data, into docs."""
 
     def run(self) -> None:
         """Run the study and write its page."""

@@ -61,7 +61,7 @@ class Shards:
     """Folder for both sets, shards.md and shards.json."""
 
     replace: bool = False
-    """Write into the folder even if it holds files that no study wrote."""
+    """Write into the folder even if it holds other files."""
 
     def run(self) -> int:
         """Write the figures, and return 1 if a file differs."""

@@ -37,7 +37,7 @@ class PaperStudy:
     """Measure everything, including the published parts."""
 
     publish: bool = False
-    """Copy page, picture and data into docs."""
+    """Copy the page, with its pictures and data, into docs."""
 
     out: Path = Path("runs/paper")
     """Folder for page, picture, data, and intermediate files of the parts."""

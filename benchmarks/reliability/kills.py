@@ -66,7 +66,7 @@ class Kills:
     """Folder for kills.md, kills.json and the files of the commands; recorded kills are not repeated."""
 
     replace: bool = False
-    """Write into the folder even if it holds files that no study wrote."""
+    """Write into the folder even if it holds other files."""
 
     def run(self) -> int:
         """Write the figures, and return 1 if a file is truncated."""

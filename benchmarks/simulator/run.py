@@ -25,7 +25,7 @@ class Simulator:
     """Write into the folder even if it holds other files."""
 
     publish: bool = False
-    """Copy the page and its plot into docs."""
+    """Copy the page, with its pictures and data, into docs."""
 
     def run(self) -> None:
         """Measure, draw and write the page."""

@@ -77,8 +77,8 @@ class Evaluate:
     """Number of episodes in each house."""
 
     allow: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
-    """Your own class, module:Class, that the task of an agent or a game may name. Files may name no other
-    class of yours. Vitruvius imports the module, which runs its code."""
+    """Your own class, module:Class, that a file may name. Files may name no other class of yours. Vitruvius
+    imports the module, which runs its code."""
 
     scores: tyro.conf.UseAppendAction[tuple[Path, ...]] = ()
     """Scores of external agents in the same houses, seed and targets, to show in the tables: the
@@ -103,7 +103,7 @@ class Evaluate:
     """Overwrite another evaluation in the folder."""
 
     json: bool = False
-    """Print one answer as JSON (docs/command-line.md): all figures, and each house's."""
+    """Print one answer as JSON, for programs."""
 
     def run(self) -> int:
         """Evaluate, and print the tables or the JSON."""

@@ -144,7 +144,7 @@ class Generate:
     """Overwrite the file or folder, and discard other houses in it."""
 
     json: bool = False
-    """Print one answer as JSON (docs/command-line.md): what was made."""
+    """Print one answer as JSON, for programs."""
 
     def run(self) -> int:
         """Write the houses. If a limit, Ctrl-C or SIGTERM ends the work, write those made so far, and why."""

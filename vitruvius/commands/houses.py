@@ -45,7 +45,7 @@ class Check:
     """Furniture type that is used from its front: 0.42 m must be free there."""
 
     json: bool = False
-    """Print one answer as JSON (docs/command-line.md): each house and its violations."""
+    """Print one answer as JSON, for programs."""
 
     def run(self) -> int:
         """Check the houses and print a line for each violation; return 1 if there is any."""
@@ -134,7 +134,7 @@ class Draw:
     house with the same index in this one."""
 
     json: bool = False
-    """Print one answer as JSON: the names of the files, and with --diff the changes."""
+    """Print one answer as JSON, for programs."""
 
     def run(self) -> int:
         """Write a picture of each house, numbered from 0 as in the file, and a picture of all."""
@@ -252,7 +252,7 @@ class Convert:
     """Overwrite new files that have other content."""
 
     json: bool = False
-    """Print one answer as JSON: the names of the files."""
+    """Print one answer as JSON, for programs."""
 
     def run(self) -> int:
         """Read the houses and write them."""

@@ -48,13 +48,14 @@ class Info:
 
     The command reads house files of every format, sets of houses, plans for generate, checkpoints, folders of
     train, games, scores, traces, folders of rules and TOML settings. It executes no code from them.
+    The description has counts, seeds, hashes, versions and the command that wrote the file.
     """
 
     thing: tyro.conf.Positional[Annotated[str, tyro.conf.arg(metavar="FILE")]]
     """A path, the name of a bank, a grammar, an agent or a preset, or - for the standard input."""
 
     json: bool = False
-    """Print one answer as JSON (docs/command-line.md)."""
+    """Print one answer as JSON, for programs."""
 
     def run(self) -> int:
         """Print the description."""

@@ -41,8 +41,8 @@ class Play:
     in the paper's house."""
 
     allow: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
-    """Your own class, module:Class, that the task of the agent or a game may name. Files may name no other
-    class of yours. Vitruvius imports the module, which runs its code."""
+    """Your own class, module:Class, that a file may name. Files may name no other class of yours. Vitruvius
+    imports the module, which runs its code."""
 
     seed: int = 0
     """Seed: house i has the start and the targets of seed + i, as in evaluate."""

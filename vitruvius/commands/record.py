@@ -41,8 +41,8 @@ class Record:
     """Location of the targets: main, secondary, mixed, or another task, module:Class or JSON."""
 
     allow: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
-    """Your own class, module:Class, that the task of the agent may name. Files may name no other class of
-    yours. Vitruvius imports the module, which runs its code."""
+    """Your own class, module:Class, that a file may name. Files may name no other class of yours. Vitruvius
+    imports the module, which runs its code."""
 
     seed: int = 0
     """Seed of the start and the targets."""
@@ -69,7 +69,7 @@ class Record:
     divided by its columns, at least 120."""
 
     json: bool = False
-    """Print one answer as JSON: the name of the film."""
+    """Print one answer as JSON, for programs."""
 
     def run(self) -> int:
         """Write the film."""

@@ -69,7 +69,7 @@ class Explain:
     """Time limit in seconds."""
 
     json: bool = False
-    """Print one answer as JSON (docs/command-line.md): the reasons."""
+    """Print one answer as JSON, for programs."""
 
     def run(self) -> int:
         """Print the reasons; return 1 if a request has a house after all."""
@@ -175,7 +175,7 @@ class Lint:
     """Time limit in seconds."""
 
     json: bool = False
-    """Print one answer as JSON (docs/command-line.md): all findings."""
+    """Print one answer as JSON, for programs."""
 
     def run(self) -> int:
         """Print a line for each finding; return 1 if any is an error."""

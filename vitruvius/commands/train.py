@@ -43,7 +43,7 @@ class Train(Generic[Kind]):
 
     Several processes can train together:
 
-    python -m torch.distributed.run --nproc-per-node 2 -m vitruvius.cli train ...
+    ``python -m torch.distributed.run --nproc-per-node 2 -m vitruvius.cli train ...``
     """
 
     groups: ClassVar = {
@@ -66,7 +66,7 @@ class Train(Generic[Kind]):
     """Continue the run in the folder, if any, bit for bit on the CPU. A larger --steps extends the run."""
 
     json: bool = False
-    """Print one answer as JSON (docs/command-line.md): the last report of the run."""
+    """Print one answer as JSON, for programs."""
 
     evaluate_every: int = 0
     """Environment steps between two evaluations: an episode in each --held-out house. The best agent is saved
@@ -97,8 +97,8 @@ class Train(Generic[Kind]):
     """Print all settings as TOML, and train nothing. --config with this file trains the same agent."""
 
     allow: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
-    """Your own class, module:Class, that the file of --config may name. Files may name no other class of
-    yours. Vitruvius imports the module, which runs its code."""
+    """Your own class, module:Class, that a file may name. Files may name no other class of yours. Vitruvius
+    imports the module, which runs its code."""
 
     name: str | None = None
     """Name of the agent in tables; by default the preset's name."""
@@ -256,7 +256,7 @@ class Export:
     """Overwrite a file that has other content."""
 
     json: bool = False
-    """Print one answer as JSON: the name of the file."""
+    """Print one answer as JSON, for programs."""
 
     def run(self) -> int:
         """Write the file."""
