@@ -139,9 +139,9 @@ def test_an_episode_plays_to_its_end_and_stops(opened: Page) -> None:
     episode = opened.locator(".episode").first
     place = episode.locator(".place")
     expect(place).to_have_text(f"step 0 of {STEPS}, 0 targets")
-    episode.get_by_label("Speed").select_option("100")
     episode.get_by_role("button", name="Play").click()
     expect(episode.get_by_role("button", name="Pause")).to_be_visible()
+    episode.get_by_label("Speed").select_option("100")
     expect(place).to_contain_text(f"step {STEPS} of {STEPS}")
     expect(episode.get_by_role("button", name="Play")).to_be_visible()
     expect(episode.locator(".choice .words")).to_have_text("The episode is over.")
