@@ -43,13 +43,13 @@ def counting_bar() -> Progress:
 def progress_bar(*columns: ProgressColumn, transient: bool = True) -> Progress:
     """Return a bar on stderr, shown only on a terminal. A ``transient`` bar vanishes at its end.
 
-    If the standard output is a file, rich must not redirect it to the bar.
+    Rich takes a file for a terminal where ``FORCE_COLOR`` is set, as in notebooks and on CI servers. If the
+    standard output is a file, rich must not redirect it to the bar.
     """
-    console = Console(stderr=True)
     return Progress(
         *columns,
-        console=console,
-        disable=not console.is_terminal,
+        console=Console(stderr=True),
+        disable=not sys.stderr.isatty(),
         transient=transient,
         redirect_stdout=sys.stdout.isatty(),
     )

@@ -3,6 +3,7 @@
 import ast
 import json
 import os
+import sys
 from base64 import b64decode
 from collections.abc import Callable, Iterator
 from importlib import import_module
@@ -141,6 +142,7 @@ def executed(path: Path) -> Any:
 
     cells = nbformat.read(path, as_version=4)
     os.environ["PYTHONPATH"] = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
+    os.environ["PATH"] = os.pathsep.join([f"{sys.prefix}/bin", os.environ.get("PATH", "")])  # for cells of bash
     with TemporaryDirectory() as folder:
         # Sockets in the folder: other users could listen on a port.
         sockets = Config(KernelManager={"transport": "ipc", "ip": f"{folder}/kernel"})
@@ -159,7 +161,7 @@ def _cell(number: int, cell: Any, folder: Path) -> str:
 def _output(name: str, output: Any, folder: Path) -> str:
     """Return a cell's output in the form that pages show best."""
     data = output.get("data", {})
-    pictures = {"image/svg+xml": "svg", "image/png": "png"}
+    pictures = {"image/svg+xml": "svg", "image/png": "png", "image/gif": "gif"}
     for kind in data.keys() & pictures.keys():
         file = folder / f"{name}.{pictures[kind]}"
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -205,6 +207,6 @@ MADE: dict[str, Callable[[Path], str]] = {
     "docs/reference/agent.md": modules(
         "vitruvius.agent", "What programs of your own take from `agent`.", *AGENT
     ),
-    "docs/tutorials/first_house.md": notebook(Path("docs/tutorials/first_house.ipynb")),
+    "examples/first_steps.md": notebook(Path("examples/first_steps.ipynb")),
 }
 """Pages by path; each function makes a page, and may write pictures into the folder that it gets."""

@@ -97,9 +97,9 @@ def test_its_reference_has_all_public_names(site: Path) -> None:
 
 
 def test_the_notebook_ran_and_shows_its_plan(site: Path) -> None:
-    shown = (site / "docs/tutorials/first_house.html").read_text()
+    shown = (site / "examples/first_steps.html").read_text()
     assert "There is a house with --rooms 2" in shown
-    assert "<svg" in (site / "docs/tutorials/cell-2-0.svg").read_text()
+    assert "<svg" in (site / "examples/cell-2-0.svg").read_text()
 
 
 def test_opened_as_a_file_it_finds_words_and_asks_nothing_of_a_network(site: Path, page: Page) -> None:
@@ -121,7 +121,7 @@ def test_opened_as_a_file_it_finds_words_and_asks_nothing_of_a_network(site: Pat
         "docs/gallery",
         "docs/command-line",
         "docs/reference/schema",
-        "docs/tutorials/first_house",
+        "examples/first_steps",
     ],
 )
 def test_pages_fit_screens_and_paper_and_axe_finds_nothing(site: Path, page: Page, name: str) -> None:
