@@ -82,9 +82,9 @@ class Programs:
         self._of_all: dict[tuple[object, ...], Program] = {}
         self._of_house: dict[tuple[object, ...], Program] = {}
         self._grammar, self._furniture, self._lengths, self._walls = grammar, furniture, lengths, tuple(walls)
+        self.rooms, self.units = cache(self._rooms), cache(self._units)
 
-    @cache  # noqa: B019 (the programs live as long as their process)
-    def rooms(
+    def _rooms(
         self, rooms: int, required: tuple[Symbol, ...] = (), arguments: tuple[str, ...] = ()
     ) -> Program:
         """Return the program of a house's rooms, with these requirements and arguments for clingo."""
@@ -105,8 +105,7 @@ class Programs:
         searching = of_one_house(seed)
         return Program(self._grammar.asp, constants, stages, searching=searching, left_out=left_out)
 
-    @cache  # noqa: B019
-    def units(
+    def _units(
         self, rooms: int, required: tuple[Symbol, ...] = (), arguments: tuple[str, ...] = ()
     ) -> Program:
         """Return the program of the units of a house, for a topology with units, as ``rooms`` does."""

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.logic.generation.test_shared_walls import builder
+from tests.logic.workers.in_process import builder
 from vitruvius.logic import GrammarError, check
 from vitruvius.logic.grammar import RULES, SHIPPED, STAR, TOPOLOGIES, find, shipped
 from vitruvius.logic.proofs.answer import house_or_proof

@@ -16,7 +16,6 @@ from tests.logic.workers import in_process
 from tests.logic.workers.in_process import generate
 from vitruvius.logic import House, RequestError, Unsatisfiable
 from vitruvius.logic.checking.check import violations
-from vitruvius.logic.grammar import find
 from vitruvius.logic.house.parts import OUTSIDE, Room
 from vitruvius.logic.request.brief import Brief, read_brief
 from vitruvius.logic.request.house_request import HouseRequest
@@ -253,7 +252,7 @@ def test_what_cannot_be_meant_is_refused_in_one_line_that_says_where(
 
 
 def test_the_program_of_a_house_by_a_brief_is_freed_with_the_next_one() -> None:
-    builder = in_process._builder(find("plain"), 0.0)
+    builder = in_process.builder("plain")
     request = HouseRequest(2, brief=read_brief(brief(2)))
     programs = list[Any]()
     for index in range(3):
@@ -293,7 +292,7 @@ def test_a_court_has_no_entrance() -> None:
 
 def test_no_layout_of_a_brief_is_refuted_falsely() -> None:
     """Stage 2, CLP(Q) and HiGHS agree on the systems of constraints in the search for layouts."""
-    systems = until_refuted(brief_systems(in_process._builder(find("plain"), 0.0), (5,)), 8)
+    systems = until_refuted(brief_systems(in_process.builder("plain"), (5,)), 8)
     found = verdicts(systems)
     assert set(found) == {(False, False, False), (True, True, True)}
 

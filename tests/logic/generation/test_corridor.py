@@ -11,18 +11,15 @@ from clingo import Symbol
 from tests.logic.workers import in_process
 from vitruvius.logic import Unsatisfiable, check
 from vitruvius.logic.generation.builder import Builder
-from vitruvius.logic.grammar import find
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import OUTSIDE, Room
-from vitruvius.logic.layout.programs import Programs
 from vitruvius.logic.proofs.answer import house_or_proof
 from vitruvius.logic.request.house_request import HouseRequest
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def clinic() -> Builder:
-    Programs.rooms.cache_clear()
-    return Builder(find("clinic"))
+    return in_process.builder("clinic")
 
 
 def houses(made: Builder, rooms: int, count: int) -> Iterator[House]:

@@ -12,7 +12,6 @@ from benchmarks.briefs.attempts import attempt
 from benchmarks.briefs.planted import row_of
 from benchmarks.briefs.tightened import tightened
 from tests.logic.workers import in_process
-from vitruvius.logic.grammar import find
 from vitruvius.logic.house.house import House
 from vitruvius.logic.proofs.answer import house_or_proof
 from vitruvius.logic.request.brief import alone, read_brief
@@ -23,7 +22,7 @@ BRIEFS, INFERENCES = range(60), 10_000_000
 
 
 def test_a_brief_that_a_plan_keeps_at_its_limits_has_a_house_that_keeps_it() -> None:
-    builder = in_process._builder(find("plain"), 0.0)
+    builder = in_process.builder("plain")
     for number in BRIEFS:
         entry = planted(number, most=4)
         row = row_of(number, entry, attempt(builder, alone(entry.read)))
@@ -55,7 +54,7 @@ HALVES = {
 
 @pytest.mark.parametrize("brief", [TERRACE, HALVES])
 def test_of_exact_sizes_no_house_is_left_undecided(brief: dict[str, Any]) -> None:
-    builder = in_process._builder(find("plain"), 0.0)
+    builder = in_process.builder("plain")
     assert attempt(builder, alone(read_brief(brief))).houses
 
 
@@ -63,9 +62,9 @@ def test_of_exact_sizes_no_house_is_left_undecided(brief: dict[str, Any]) -> Non
 def test_a_grammar_that_a_house_keeps_at_its_limits_has_a_house_and_so_has_its_plan(
     base: str, rooms: int, tmp_path: Path
 ) -> None:
-    builder = in_process._builder(find(base), 0.0)
+    builder = in_process.builder(base)
     house = builder.house(HouseRequest(rooms, inferences=INFERENCES), 7, 0)
-    strict = in_process._builder(find(tightened(builder, house, tmp_path / "mine")), 0.0)
+    strict = in_process.builder(tightened(builder, house, tmp_path / "mine"))
     types = {type_: (times, times) for type_, times in Counter(types_of(house)).items()}
     for request in (HouseRequest(rooms, types), HouseRequest(rooms, plan=read_plan(house))):
         again = house_or_proof(strict, replace(request, inferences=INFERENCES), 0, 0)

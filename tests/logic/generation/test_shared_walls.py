@@ -11,6 +11,7 @@ from clingo import Symbol
 
 from benchmarks.generator.verdicts import furniture_systems, given_systems, verdicts, wall_systems
 from tests import architect
+from tests.logic.workers.in_process import builder
 from vitruvius.logic import GrammarError, RequestError, Unsatisfiable, check
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.generation.loop import Stages, Work
@@ -22,7 +23,6 @@ from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import OUTSIDE, Rect
 from vitruvius.logic.house.star import Star, StarRoom
 from vitruvius.logic.layout.program import Nogood
-from vitruvius.logic.layout.programs import Programs
 from vitruvius.logic.placement.plan import Plan
 from vitruvius.logic.proofs.answer import house_or_proof
 from vitruvius.logic.request.fixed_rooms import fixed_rooms
@@ -51,16 +51,6 @@ def unfurnished(
     draft = PlanDraft(rules, request, work, Assumed(*builder.programs.rooms_for(request)))
     draft.nogoods = [] if nogoods is None else nogoods
     return made_by(Stages(draft.sample, draft.place, lambda layout, plan: (plan, layout), draft.learn))
-
-
-def builder(grammar: str | Path) -> Builder:
-    Programs.rooms.cache_clear()
-    return Builder(find(grammar))
-
-
-@pytest.fixture(scope="module")
-def home() -> Builder:
-    return builder("home")
 
 
 def layouts(made: Builder, rooms: int, seeds: range) -> Iterator[list[Symbol]]:

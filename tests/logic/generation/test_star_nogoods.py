@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from clingo import Function, Number
 
+from tests.logic.workers import in_process
 from vitruvius.logic.errors import LimitReached
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.generation.loop import Work
 from vitruvius.logic.generation.star import MOST_MISFITS, StarDraft
-from vitruvius.logic.grammar import find
 from vitruvius.logic.layout.program import Conflict
 from vitruvius.logic.placement.placer import Infeasible, Misfit
 from vitruvius.logic.request.house_request import HouseRequest
@@ -18,9 +18,9 @@ from vitruvius.logic.request.house_request import HouseRequest
 FOUR = HouseRequest(4)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def family() -> Builder:
-    return Builder(find("family"))
+    return in_process.builder("family")
 
 
 def draft(family: Builder) -> StarDraft:

@@ -5,12 +5,11 @@ from pathlib import Path
 
 import pytest
 
+from tests.logic.workers import in_process
 from vitruvius.logic import Unsatisfiable, check
 from vitruvius.logic.generation.builder import Builder
-from vitruvius.logic.grammar import find
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import OUTSIDE, Room
-from vitruvius.logic.layout.programs import Programs
 from vitruvius.logic.proofs.answer import house_or_proof
 from vitruvius.logic.request.house_request import HouseRequest
 
@@ -19,10 +18,9 @@ SECONDS = 20.0
 """CPU seconds in which a house is generated, or proved infeasible: a third of the limit of ``generate``."""
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def hotel() -> Builder:
-    Programs.rooms.cache_clear()
-    return Builder(find(HOTEL))
+    return in_process.builder(HOTEL)
 
 
 def of_type(house: House, type_: str) -> list[Room]:

@@ -7,25 +7,20 @@ from pathlib import Path
 import msgspec
 import pytest
 
+from tests.logic.workers.in_process import builder
 from vitruvius.logic import GrammarError, House, RequestError, Unsatisfiable, check
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.generation.unit import units_of
 from vitruvius.logic.grammar import SHIPPED, find
 from vitruvius.logic.house.parts import OUTSIDE
 from vitruvius.logic.language.loaded import LoadedGrammar
-from vitruvius.logic.layout.programs import Programs
 from vitruvius.logic.proofs.answer import house_or_proof
 from vitruvius.logic.request.house_request import HouseRequest
 
 PUBLIC = "commonCorridor"
 
 
-def builder(grammar: str | Path) -> Builder:
-    Programs.rooms.cache_clear()
-    return Builder(find(grammar))
-
-
-@pytest.fixture(scope="module")
+@pytest.fixture
 def apartments() -> Builder:
     return builder("apartments")
 

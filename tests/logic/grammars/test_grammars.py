@@ -14,7 +14,7 @@ from clingo.ast import ASTType, parse_files
 
 from tests import architect
 from tests.logic.workers import in_process
-from vitruvius.logic import GrammarError, House, VitruviusError, check, generate
+from vitruvius.logic import GrammarError, House, VitruviusError, check
 from vitruvius.logic.grammar import SHIPPED, find, shipped
 from vitruvius.logic.house.promises import Promises
 
@@ -94,7 +94,7 @@ def test_nothing_stands_in_front_of_a_piece_whose_front_a_grammar_states_to_be_c
     (clear / "arrangement.lp").write_text(text)
 
     def obstructed(grammar: str | Path) -> int:
-        made = generate(rooms=12, seed=3, count=6, grammar=grammar)
+        made = in_process.generate(rooms=12, seed=3, count=6, grammar=grammar)
         return sum(any(" in front of it" in line for line in check(house, promises)) for house in made)
 
     assert obstructed(clear) == 0 < obstructed("family")
@@ -191,14 +191,8 @@ def family() -> Promises:
 
 
 def sample(grammar: Path) -> Iterator[House]:
-    """Yield houses of several sizes, some with much furniture, until the check finds a violation."""
-    for rooms, seed, furniture in (
-        (2, 0, {}),
-        (7, 1, {}),
-        (4, 2, {"desk": (2, None)}),
-        (4, 3, {"bed": 2}),
-        (24, 4, {}),
-    ):
+    """Yield houses with much furniture, many rooms, and few rooms, until the check finds a violation."""
+    for rooms, seed, furniture in ((4, 3, {"bed": 2}), (24, 4, {}), (2, 0, {})):
         try:
             yield from in_process.generate(rooms, seed=seed, count=15, grammar=grammar, furniture=furniture)
         except VitruviusError as error:

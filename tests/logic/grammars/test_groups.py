@@ -5,8 +5,7 @@ from collections import Counter
 import pytest
 
 from benchmarks.realism.groups import counted
-from vitruvius.logic.generation.builder import Builder
-from vitruvius.logic.grammar import find
+from tests.logic.workers import in_process
 from vitruvius.logic.request.house_request import HouseRequest
 
 HOMES = 6
@@ -15,7 +14,7 @@ HOMES = 6
 @pytest.fixture(scope="module")
 def counts() -> Counter[str]:
     """Return the counts in homes of nine rooms."""
-    made = Builder(find("home"))
+    made = in_process.builder("home")
     found = Counter[str]()
     for index in range(HOMES):
         for name, counts in counted(made.house(HouseRequest(9), 0, index)):

@@ -6,7 +6,8 @@ from itertools import combinations
 
 import pytest
 
-from vitruvius.logic import House, Piece, Room, generate
+from tests.logic.workers.in_process import generate
+from vitruvius.logic import House, Piece, Room
 from vitruvius.logic.house.boxes import BACK, distance, is_on_wall, overlap, walls_touched
 
 FOOT = 0.3048
@@ -47,7 +48,7 @@ COUNTS = {
 
 @pytest.fixture(scope="module")
 def houses() -> list[House]:
-    return list(generate(rooms=5, grammar="paper", seed=22, count=300, workers=2))
+    return list(generate(rooms=5, grammar="paper", seed=22, count=300))
 
 
 def of_type(houses: list[House], type_: str) -> Iterator[tuple[Room, Piece]]:

@@ -5,7 +5,7 @@ from collections import Counter
 import pytest
 
 from tests.logic.grammars.placed import counted
-from vitruvius.logic import generate
+from tests.logic.workers.in_process import generate
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import OUTSIDE, Door, Piece, Room, Window
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.logic.generation.test_shared_walls import builder
 from tests.logic.rules.plan_geometry import shared
+from tests.logic.workers.in_process import builder
 from vitruvius.logic import GrammarError, Unsatisfiable, check
 from vitruvius.logic.proofs.answer import house_or_proof
 from vitruvius.logic.request.house_request import HouseRequest

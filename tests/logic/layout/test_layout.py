@@ -10,7 +10,8 @@ import pytest
 from clingo import Function, Number, Symbol
 from scipy.stats import chisquare
 
-from tests.logic.generation.test_shared_walls import ROW, builder, copied
+from tests.logic.generation.test_shared_walls import ROW, copied
+from tests.logic.workers.in_process import builder
 from vitruvius.logic import GrammarError
 from vitruvius.logic.generation.loop import NoLayout
 from vitruvius.logic.grammar import find

@@ -7,7 +7,6 @@ from typing import Any
 
 import pytest
 
-from tests.logic.generation.test_shared_walls import builder
 from tests.logic.request.test_given_plan import BOXES, Box, geojson, made
 from vitruvius.logic import House, Unsatisfiable
 from vitruvius.logic.generation.builder import Builder
@@ -47,11 +46,6 @@ CASES: dict[str, tuple[dict[str, Box], dict[str, str], dict[str, Any], list[str]
         ["--type bedroom=2", *(f"plan: {room} is of type" for room in ("hall", "living", "kitchen", "bath"))],
     ),
 }
-
-
-@pytest.fixture(scope="module")
-def home() -> Builder:
-    return builder("home")
 
 
 @pytest.mark.parametrize("title", CASES)

@@ -7,9 +7,10 @@ from typing import Any
 import pytest
 from msgspec.structs import replace
 
-from tests.logic.generation.test_shared_walls import builder, copied
+from tests.logic.generation.test_shared_walls import copied
 from tests.logic.request.test_given_plan import BOXES, Box, geojson
-from vitruvius.logic import GrammarWarning, Unsatisfiable, check, generate
+from tests.logic.workers.in_process import builder, generate
+from vitruvius.logic import GrammarWarning, Unsatisfiable, check
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.grammar import find
 from vitruvius.logic.house.house import House
@@ -25,11 +26,6 @@ pytestmark = pytest.mark.second_part("many flats are furnished")
 
 ROOMS = {"hall": "hall", "living": "living", "kitchen": "kitchen", "bath": "bathroom", "bedroom": "bedroom"}
 """Types of the rooms of ``BOXES``."""
-
-
-@pytest.fixture(scope="module")
-def home() -> Builder:
-    return builder("home")
 
 
 def brief(doors: str, **rooms: Any) -> dict[str, Any]:

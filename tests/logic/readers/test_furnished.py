@@ -7,7 +7,10 @@ import pytest
 
 from tests.logic.readers.fifty import outcome_of
 from tests.logic.readers.written import WRITERS
-from vitruvius.logic import House, generate
+from tests.logic.workers.in_process import generate
+from vitruvius.logic import House
+
+pytestmark = pytest.mark.usefixtures("solved_here")
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,8 @@ from shapely.geometry import mapping
 from tests.logic.readers.test_readers import paired, shared
 from tests.logic.readers.written import inner, opening
 from tests.logic.request.test_given_plan import BOXES, geojson
-from vitruvius.logic import House, PlanWarning, RequestError, generate, load
+from tests.logic.workers.in_process import generate
+from vitruvius.logic import House, PlanWarning, RequestError, load
 from vitruvius.logic.exports.geojson import to_geojson
 from vitruvius.logic.request.given_plan import read_plan
 

@@ -9,7 +9,8 @@ import msgspec
 import pytest
 from msgspec.structs import replace
 
-from tests.logic.generation.test_shared_walls import ROW, builder, copied
+from tests.logic.generation.test_shared_walls import ROW, copied
+from tests.logic.workers.in_process import builder
 from vitruvius.logic import LimitReached, RequestError, Unsatisfiable, check
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.house.house import House
@@ -39,11 +40,6 @@ def geojson(boxes: Mapping[str, Box], **types: str) -> dict[str, Any]:
         geometry = {"type": "Polygon", "coordinates": [ring]}
         features.append({"type": "Feature", "properties": properties, "geometry": geometry})
     return {"type": "FeatureCollection", "features": features}
-
-
-@pytest.fixture(scope="module")
-def home() -> Builder:
-    return builder("home")
 
 
 def places(rooms: Iterable[Room]) -> list[tuple[Any, ...]]:

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from msgspec.structs import replace
 
-from tests.logic.generation.test_shared_walls import builder
+from tests.logic.workers import in_process
 from vitruvius.cli import main
 from vitruvius.logic import House, RequestError, Unsatisfiable, check, generate, load, save
 from vitruvius.logic.generation.builder import Builder
@@ -18,13 +18,8 @@ from vitruvius.logic.why.shared_walls import PlanWitness
 
 
 @pytest.fixture(scope="module")
-def home() -> Builder:
-    return builder("home")
-
-
-@pytest.fixture(scope="module")
-def house(home: Builder) -> House:
-    return home.house(HouseRequest.read({"rooms": 7, "types": {"storage": 1}}), 1, 0)
+def house() -> House:
+    return in_process.builder("home").house(HouseRequest.read({"rooms": 7, "types": {"storage": 1}}), 1, 0)
 
 
 @pytest.fixture(scope="module")

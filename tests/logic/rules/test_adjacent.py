@@ -8,9 +8,10 @@ import msgspec
 import pytest
 
 from tests.docs.reader import ROOT, blocks
-from tests.logic.generation.test_shared_walls import builder, unfurnished
+from tests.logic.generation.test_shared_walls import unfurnished
 from tests.logic.generation.test_units import PUBLIC, units
 from tests.logic.rules.plan_geometry import neighbours, shared
+from tests.logic.workers.in_process import builder
 from vitruvius.logic import check
 from vitruvius.logic.grammar import SHIPPED
 from vitruvius.logic.house.house import House

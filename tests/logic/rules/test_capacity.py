@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from clingo import Function, Number, Symbol
 
+from tests.logic.workers import in_process
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.grammar import find
 from vitruvius.logic.layout.program import CORE, Program
@@ -15,9 +16,9 @@ from vitruvius.logic.placement.placer import Infeasible
 WIDE = [Number(mm) for mm in (1, 99999, 1, 99999)]
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def builder() -> Builder:
-    return Builder(find("family"))
+    return in_process.builder("family")
 
 
 def shown(program: Program) -> list[Symbol]:

@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 from clingo import Function, Number, Symbol
 
-from tests.logic.generation.test_shared_walls import builder
 from tests.logic.rules.plan_geometry import TOLERANCE
+from tests.logic.workers.in_process import builder
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.generation.furnish import Furnished
 from vitruvius.logic.grammar import SHIPPED

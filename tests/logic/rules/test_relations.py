@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 from clingo import Symbol
 
-from tests.logic.generation.test_shared_walls import builder, unfurnished
+from tests.logic.generation.test_shared_walls import unfurnished
 from tests.logic.rules.plan_geometry import TOLERANCE, Box, shared
 from tests.logic.rules.test_adjacent import NAMED, copied
+from tests.logic.workers.in_process import builder
 from vitruvius.logic.generation.loop import Work
 from vitruvius.logic.generation.units import UnitsDraft
 from vitruvius.logic.house.house import House

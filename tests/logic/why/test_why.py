@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from clingo import Function, Symbol, parse_term
 
+from tests.logic.workers import in_process
 from tests.sample_houses import changed_star
 from vitruvius.cli import main
 from vitruvius.logic import (
@@ -25,7 +26,6 @@ from vitruvius.logic import (
     save,
 )
 from vitruvius.logic.generation.builder import Builder
-from vitruvius.logic.grammar import find
 from vitruvius.logic.house.part_names import part_names, target_in
 from vitruvius.logic.layout.program import Program
 from vitruvius.logic.placement.layout import RoomLayout
@@ -81,7 +81,7 @@ class Explained:
 
 @pytest.fixture(scope="module")
 def builder() -> Builder:
-    return Builder(find("family"))
+    return in_process.builder("family")
 
 
 @pytest.fixture(scope="module")
@@ -464,8 +464,8 @@ def test_a_fixed_room_says_that_the_request_keeps_it(builder: Builder, family: E
 @pytest.fixture
 def on_grid() -> Iterator[Explained]:
     """Yield a house on a grid. At the end a builder without a grid resets the process's one Prolog engine."""
-    yield Explained(Builder(find("family"), 0.3), {"rooms": 3, "cell": 0.3}, 1)
-    Builder(find("family"))
+    yield Explained(in_process.builder("family", 0.3), {"rooms": 3, "cell": 0.3}, 1)
+    in_process.builder("family")
 
 
 def test_on_a_grid_bounds_are_whole_cells(on_grid: Explained) -> None:

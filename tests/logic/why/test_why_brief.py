@@ -5,8 +5,7 @@ from typing import Any
 
 import pytest
 
-from vitruvius.logic.generation.builder import Builder
-from vitruvius.logic.grammar import find
+from tests.logic.workers import in_process
 from vitruvius.logic.house.part_names import doors_by_name
 from vitruvius.logic.request.brief import read_brief
 from vitruvius.logic.request.house_request import HouseRequest
@@ -31,7 +30,7 @@ ROOMS = [room["name"] for room in WANTED["rooms"]]
 
 @pytest.fixture(scope="module")
 def witness() -> Witness:
-    builder = Builder(find("plain"))
+    builder = in_process.builder("plain")
     house = builder.house(HouseRequest(4, brief=read_brief(WANTED)), 1, 0)
     return witness_of(builder, house)
 

@@ -8,10 +8,9 @@ from typing import Any
 import pytest
 from clingo import ast
 
-from tests.logic.generation.test_shared_walls import builder
+from tests.logic.workers.in_process import builder
 from vitruvius.logic import explain_house
 from vitruvius.logic.errors import Reason
-from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.grammar import RULES, SHIPPED
 from vitruvius.logic.house.part_names import doors_by_name, part_names, windows_by_name
 from vitruvius.logic.layout.reading import parse
@@ -22,12 +21,8 @@ from vitruvius.logic.why.support import _remark
 
 
 @pytest.fixture(scope="module")
-def home() -> Builder:
-    return builder("home")
-
-
-@pytest.fixture(scope="module")
-def witness(home: Builder) -> PlanWitness:
+def witness() -> PlanWitness:
+    home = builder("home")
     return PlanWitness(home, home.house(HouseRequest(4), 0, 0))
 
 

@@ -4,8 +4,8 @@ import msgspec
 import pytest
 from clingo import Function, parse_term
 
-from tests.logic.generation.test_shared_walls import builder
 from tests.logic.why.derivations import require_whole
+from tests.logic.workers.in_process import builder
 from vitruvius.logic import House, HouseFileError, RequestError
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.house.part_names import doors_by_name, target_in

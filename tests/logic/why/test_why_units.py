@@ -5,9 +5,8 @@ from time import monotonic
 import pytest
 
 from tests.logic.why.derivations import require_whole
+from tests.logic.workers import in_process
 from vitruvius.logic import House, RequestError
-from vitruvius.logic.generation.builder import Builder
-from vitruvius.logic.grammar import find
 from vitruvius.logic.house.part_names import doors_by_name, part_names
 from vitruvius.logic.placement.bounds import wall_bounds
 from vitruvius.logic.request.house_request import HouseRequest
@@ -19,7 +18,7 @@ from vitruvius.logic.why.units import UnitsWitness
 @pytest.fixture(scope="module")
 def witness() -> UnitsWitness:
     """Return a witness of a building of three flats, two of which have as many rooms and the same program."""
-    builder = Builder(find("apartments"), 0.0)
+    builder = in_process.builder("apartments")
     house = builder.house(HouseRequest(17, {"bedroom": (3, 3)}), 5, 0)
     found = witness_of(builder, house)
     assert isinstance(found, UnitsWitness)

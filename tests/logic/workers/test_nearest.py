@@ -7,6 +7,8 @@ import pytest
 from vitruvius.logic import LimitReached, Unsatisfiable, generate, nearest
 from vitruvius.logic.workers import nearest as module
 
+pytestmark = pytest.mark.usefixtures("solved_here")
+
 
 def brief(*areas: float, **more: Any) -> dict[str, Any]:
     """Return a brief with rooms R0, R1 ... of these areas."""

@@ -30,6 +30,7 @@ def moved(plan: OwnPlan, share: float, to: OwnPlan) -> OwnPlan:
     return read_plan(record(boxes), snap=0.0)
 
 
+@pytest.mark.usefixtures("solved_here")
 def test_a_room_is_as_much_wider_as_it_must_be_and_has_a_house() -> None:
     found = nearest_plan(record(NARROW), grammar="home")
     assert found.changes == ("bath 0.030 m wider",)
@@ -39,6 +40,7 @@ def test_a_room_is_as_much_wider_as_it_must_be_and_has_a_house() -> None:
         next(generate(plan=moved(read_plan(record(NARROW)), 0.99, found.plan), grammar="home"))
 
 
+@pytest.mark.usefixtures("solved_here")
 def test_a_wall_that_moves_takes_both_of_its_rooms_and_the_door_in_it() -> None:
     boxes = NARROW | {"bath": (6, 3, 8.4, 4.1)}  # 1.1 m deep, at a kitchen
     found = nearest_plan(record(boxes), grammar="home")
@@ -48,6 +50,7 @@ def test_a_wall_that_moves_takes_both_of_its_rooms_and_the_door_in_it() -> None:
     assert (again.plan, again.changes, again.proof) == (read_plan(house), (), None)
 
 
+@pytest.mark.usefixtures("solved_here")
 def test_an_area_too_small_is_made_up_for_exactly(tmp_path: Path) -> None:
     rules = copied(tmp_path, ("sizes.pl", "limit(room_area(living,     8.0, 120.0)).", ""))
     boxes = BOXES | {"living": (0.4, 0, 4, 4)}  # 14.4 m², that are 15 at least
@@ -57,6 +60,7 @@ def test_an_area_too_small_is_made_up_for_exactly(tmp_path: Path) -> None:
     assert check(next(generate(plan=found.plan, grammar=rules))) == []
 
 
+@pytest.mark.usefixtures("solved_here")
 def test_what_no_lengths_can_mend_is_proved() -> None:
     two = geojson(BOXES, hall="hall", living="kitchen", kitchen="kitchen", bedroom="study", bath="bathroom")
     with pytest.raises(Unsatisfiable, match="room\\(R,living\\)"):
