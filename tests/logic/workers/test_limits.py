@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.logic.workers import in_process
 from vitruvius.logic import GrammarError, LimitReached, count_layouts, generate, lint
 from vitruvius.logic.grammar import SHIPPED, find
 from vitruvius.logic.language import trial
@@ -69,7 +70,7 @@ def test_a_join_in_large_houses_alone_is_named_when_the_time_for_a_house_is_over
 ) -> None:
     monkeypatch.setattr(solver, "LOADING", 5.0)
     place, said = add(folder / "rooms.lp", JOIN.format("rooms > 8, ")), ""
-    for seconds in (6, 20, 60):  # Another process finds it meanwhile, and starts later under load.
+    for seconds in (4, 20, 60):  # Another process finds it meanwhile, and starts later under load.
         with pytest.raises(LimitReached) as caught:
             next(generate(rooms=9, grammar=folder, seconds=float(seconds)))
         said = str(caught.value)
@@ -201,17 +202,17 @@ def test_a_limit_of_inferences_is_the_one_that_was_set_and_names_the_stage(
     grammar: str, rooms: int, inferences: int, stage: str
 ) -> None:
     with pytest.raises(LimitReached) as caught:
-        next(generate(rooms=rooms, grammar=grammar, inferences=inferences))
+        next(in_process.generate(rooms=rooms, grammar=grammar, inferences=inferences))
     late = f"house 0 reached its limit of {inferences} inferences: raise it with --inferences"
     assert str(caught.value).startswith(f"{late}. The last step was {stage}")
 
 
 def test_counting_takes_no_more_than_its_seconds() -> None:
     began = time.monotonic()
-    counted = list(count_layouts(9, grammar="family", seconds=2.0))
+    counted = list(count_layouts(9, grammar="family", seconds=1.0))
     assert len(counted) == 5  # The rooms, and the furniture of each of four types.
     assert not all(exact for *_, exact in counted)
-    assert time.monotonic() - began < 2.0 + solver.START_UP  # Without a limit it would take days.
+    assert time.monotonic() - began < 1.0 + solver.START_UP  # Without a limit it would take days.
 
 
 def test_a_trial_names_each_rule_and_each_size_and_ends_where_nothing_is_wrong() -> None:

@@ -19,6 +19,8 @@ FIXTURES = Path(__file__).parents[2] / "fixtures"
 PLANS = FIXTURES / "plans.jsonl"
 Command = Callable[..., tuple[int, str, str]]
 
+pytestmark = pytest.mark.usefixtures("solved_here")
+
 
 @pytest.fixture
 def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Command:
