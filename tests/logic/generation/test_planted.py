@@ -18,7 +18,7 @@ from vitruvius.logic.request.brief import alone, read_brief
 from vitruvius.logic.request.given_plan import read_plan
 from vitruvius.logic.request.house_request import HouseRequest
 
-BRIEFS, INFERENCES = range(60), 10_000_000
+BRIEFS, INFERENCES = range(36), 10_000_000
 
 
 def test_a_brief_that_a_plan_keeps_at_its_limits_has_a_house_that_keeps_it() -> None:
