@@ -49,7 +49,7 @@ def test_every_part_of_a_home_is_derived_first_and_in_no_time(witness: PlanWitne
 def test_a_limit_ends_only_what_could_be_instead(witness: PlanWitness) -> None:
     """The 14 values of a bed would take minutes, and late attempts find nothing."""
     target = next(each for each in targets(witness) if each.endswith(".bed"))
-    for seconds in (0.0, 9.0):
+    for seconds in (0.0, 5.0):
         begun = monotonic()
         whole = witness.why(target, begun + seconds)
         assert monotonic() - begun < 20
@@ -63,12 +63,11 @@ def test_a_limit_ends_only_what_could_be_instead(witness: PlanWitness) -> None:
     assert str(whole) == "\n".join(as_text([whole]))
 
 
-@pytest.mark.parametrize("target", ["R1", "entrance"])
-def test_the_derivation_comes_however_few_the_seconds(witness: PlanWitness, target: str) -> None:
+def test_the_derivation_comes_however_few_the_seconds(witness: PlanWitness) -> None:
     """A solver process takes seconds to start and to generate the house again."""
-    why = explain_house(witness._house, target, seconds=0.01)
+    why = explain_house(witness._house, "entrance", seconds=0.01)
     assert why.derivations
-    assert f"{target} reached the limit of 0.01 seconds: raise it with --seconds" in why.limit
+    assert "entrance reached the limit of 0.01 seconds: raise it with --seconds" in why.limit
 
 
 def test_the_parts_of_an_answer_are_the_answer(witness: PlanWitness) -> None:
