@@ -29,7 +29,7 @@ from vitruvius.agent.recording.film import record
 from vitruvius.agent.recording.recorder import Recorder
 from vitruvius.agent.report.folder import describe, write_report
 from vitruvius.agent.runs.checkpoint import Checkpoint
-from vitruvius.agent.runs.runs import run
+from vitruvius.agent.runs.runs import run, torch_threads
 from vitruvius.logic import House, RequestError, VitruviusError, check, generate, save
 from vitruvius.logic.drawing.draw import contact_sheet
 from vitruvius.logic.files.writing import write_whole
@@ -144,9 +144,10 @@ def demo(out: Path = Path("runs/demo"), seed: int = 0) -> int:
     )
     foresight, learnt = run(playable(homes, goal), config, out / FORESIGHT, name=FORESIGHT, every=LINES)
 
-    main = _measured("main", AGENT, agent, stars_held_out, out / "episode.gif", seed)
     film = out / "episode-object.gif"
-    found = _measured(goal, FORESIGHT, foresight, playable(homes_held_out, goal), film, seed, EPISODES)
+    with torch_threads(1):
+        main = _measured("main", AGENT, agent, stars_held_out, out / "episode.gif", seed)
+        found = _measured(goal, FORESIGHT, foresight, playable(homes_held_out, goal), film, seed, EPISODES)
     for part, folder, name in ((main, AGENT, "stars"), (found, FORESIGHT, "homes")):
         bank = ScoredBank(bank_hash(part.houses), f"{name}-held-out.jsonl", len(part.houses))
         measured = ScoreFile(bank, seed, modes_of([part.result]), episodes=part.result.episodes)

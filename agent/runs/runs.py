@@ -150,13 +150,27 @@ def run(
     explodes, and keeps the last good checkpoint. After a signal, saves the run and raises the signal's error
     (``logic.stopping``).
     """
-    with ranks.joined():
+    with ranks.joined(), torch_threads(config.threads):
         folder = Folder(Path(path))
         if ranks.rank():  # the first rank alone writes
             learner = _learner(houses, config)
             return _learn(learner, folder, name, command, resume, every, watching)
         with folder.alone(resume):
             return _learn(_learner(houses, config), folder, name, command, resume, every, watching)
+
+
+@contextmanager
+def torch_threads(number: int) -> Iterator[None]:
+    """Let torch use this many threads within the block.
+
+    Small batches, as policies that play have, lose by a second thread, most of all on a busy machine.
+    """
+    before = torch.get_num_threads()
+    torch.set_num_threads(number)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(before)
 
 
 def _learner(houses: Sequence[House] | HouseRotation, config: TrainConfig) -> Learner:
@@ -177,7 +191,6 @@ def _learner(houses: Sequence[House] | HouseRotation, config: TrainConfig) -> Le
         raise RequestError(f"{config.algorithm} runs only in one process")
     if config.device == "cuda" and not torch.cuda.is_available():
         raise RequestError("device cuda is not available: torch finds no GPU here. Leave out --device")
-    torch.set_num_threads(config.threads)
     keep_freed_memory()
     set_precision(config.precision, config.device)
     world, where = simulator(config), {"backend": config.backend, "device": config.device}

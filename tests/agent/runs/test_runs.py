@@ -324,6 +324,19 @@ def test_a_run_that_diverges_leaves_the_last_good_checkpoint(tmp_path, monkeypat
     assert all(torch.isfinite(value).all() for value in kept.network.state_dict().values())
 
 
+def test_torch_has_the_threads_of_a_run_only_while_it_trains(tmp_path, monkeypatch):
+    seen = []
+
+    def refused(houses, config):
+        seen.append(torch.get_num_threads())
+        raise RequestError("no learner")
+
+    monkeypatch.setattr(runs, "_learner", refused)
+    with pytest.raises(RequestError):
+        run(HOUSES, replace(CONFIG, threads=3), tmp_path / "run")
+    assert (seen, torch.get_num_threads()) == ([3], 1)
+
+
 def test_a_device_that_is_not_there_is_refused(tmp_path):
     if torch.cuda.is_available():
         pytest.skip("there is a GPU")
