@@ -70,7 +70,9 @@ class Agents:
             raise RequestError(f"--only: {unknown('entry', min(wrong), names)}")
         workers = 2 if self.workers is None else self.workers
         if not 0 < self.share <= 1 or workers < 1 or not self.seeds:
-            raise RequestError("--share must lie above 0 and be at most 1; --workers 1 or more; --seeds some")
+            raise RequestError(
+                "--share must be above 0 and at most 1, --workers 1 or more, --seeds at least one number"
+            )
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends the processes that it started, too
         out = self.out.resolve()
         # Seed by seed: if the study is stopped, all entries have about the same number of runs.

@@ -173,7 +173,9 @@ def require_same(folder: Folder, asked: TrainConfig) -> None:
     except ValueError as error:
         others = [str(error)]
     if others:
-        raise RequestError(f"{folder.path}: is a run with other {', '.join(others)}. Give another --out")
+        raise RequestError(
+            f"{folder.path} holds a run with other {', '.join(others)}: choose another --out folder"
+        )
 
 
 def given(path: Path) -> str:

@@ -104,7 +104,7 @@ def run_all(jobs: Iterable[Job], workers: int, cluster: Cluster | None = None) -
         while waiting or running:
             while waiting and free:
                 job, processor = waiting.popleft(), free.pop(0)
-                say(f"{job.name}: begins, {len(waiting)} wait")
+                say(f"{job.name}: started, {len(waiting)} waiting")
                 running[job.start(processor)] = job, processor
             sleep(0.5)
             for process in [each for each in running if each.poll() is not None]:

@@ -26,7 +26,7 @@ def timings(files: Sequence[Path], folder: Path) -> Section:
         try:
             parts.append(_study(json.loads(path.read_bytes())))
         except (ValueError, KeyError, TypeError) as error:
-            raise ReportError(f"{path}: no report of a study: {type(error).__name__}: {error}") from None
+            raise ReportError(f"{path}: not a report of a study: {type(error).__name__}: {error}") from None
     return Section("scaling", "Growth of time", "\n".join(parts))
 
 

@@ -96,7 +96,7 @@ finished house. Both are medians of {rounds}. `both` is the whole time, includin
 infeasible in stage 2. Prolog's inferences (medians) do not depend on the machine.
 """
 
-WORKERS = """| processes | rooms | houses a second (wall clock) |
+WORKERS = """| processes | rooms | houses per second (wall clock) |
 |---|---|---|
 {rows}
 """

@@ -23,7 +23,7 @@ def homes(files: Sequence[Path], folder: Path) -> Section:
     try:
         sizes = [size for path in files for size in msgspec.json.decode(path.read_bytes(), type=list[Times])]
     except msgspec.DecodeError as error:
-        raise ReportError(f"{files[0]}: no times of homes: {error}") from None
+        raise ReportError(f"{files[0]}: not a file of bench homes: {error}") from None
     parts = {
         "with furniture": [size.whole for size in sizes],
         "plan alone": [size.unfurnished for size in sizes],

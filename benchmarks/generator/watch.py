@@ -48,7 +48,7 @@ class WatchStudy:
     def run(self) -> None:
         """Print the median and the range, for the first house and for all."""
         if self.saves < 1:
-            raise RequestError("--saves: at least 1")
+            raise RequestError("--saves must be 1 or more")
         request = {"rooms": self.rooms, "seed": 0, "count": self.houses}
         with TemporaryDirectory() as folder, _watching(Path(folder), self.grammar) as (file, address):
             rules, text = _rules(address), file.read_text()
@@ -78,7 +78,9 @@ class WatchStudy:
         connection.request("POST", f"{address.path}sheet", json.dumps(question))
         at = [time.perf_counter() - begun for line in connection.getresponse() if b'"svg"' in line]
         if len(at) != self.houses:
-            raise RequestError(f"{self.grammar}: {len(at)} of {self.houses} houses were made: see generate")
+            raise RequestError(
+                f"{self.grammar}: {len(at)} of {self.houses} houses were made: generate gives the reason"
+            )
         return at[0], at[-1]
 
 

@@ -80,9 +80,7 @@ class Complexity:
     def run(self) -> None:
         """Run the measurements that are missing, draw all of them and print a table."""
         if self.houses < 1 or self.inferences < 1 or not self.rooms or min(self.rooms) < 1:
-            raise RequestError(
-                "--rooms needs one number or more, each 1 or more, as --houses and --inferences"
-            )
+            raise RequestError("--rooms, --houses and --inferences need numbers of 1 or more")
         file = self.out / "paper-complexity.json"
         study = json.loads(file.read_bytes()) if file.exists() else {}
         if study.get("inferences") != self.inferences:
@@ -183,8 +181,15 @@ def growth(study: dict[str, Any], method: str) -> tuple[float, float]:
 
 def table(study: dict[str, Any]) -> str:
     """Return all measurements as a Markdown table, with the fitted laws."""
-    rows = [[str(e["rooms"]), LABELS[e["method"]], *_cells(e)] for e in _ordered(study)]
-    head = "| rooms | | made | CPU time, median | tries, median |\n|---|---|---|---|---|\n"
+    cells = {(entry["rooms"], entry["method"]): _cells(entry) for entry in study["measured"]}
+    rows = [
+        [str(rooms), *cells.get((rooms, ORIGINAL), [""] * 3), *cells.get((rooms, OURS), [""] * 3)[:2]]
+        for rooms in sorted({rooms for rooms, _ in cells})
+    ]
+    head = (
+        f"| rooms | {LABELS[ORIGINAL]}: made | CPU time, median | tries, median "
+        f"| {LABELS[OURS]}: made | CPU time, median |\n|{'---|' * 6}\n"
+    )
     factor, exponent = growth(study, ORIGINAL)[0], growth(study, OURS)[1]
     law = f"The original's median grows {factor:.1f} times per room; here it grows as rooms^{exponent:.2f}."
     return f"{head}{table_rows(rows)}\n\n{law}"

@@ -51,7 +51,9 @@ class PaperStudy:
             if part not in PARTS:
                 raise RequestError(unknown("part", part, PARTS))
         if (self.engine or self.address) and (self.parts != ("complexity",) or not self.engine):
-            raise RequestError("--engine, with or without --address, is of complexity alone: name that part")
+            raise RequestError(
+                "--engine and --address are for complexity alone: bench paper complexity --engine ray"
+            )
         engine = {"engine": self.engine, "address": self.address} if self.engine else {}
         require_folder(self.out)
         self.out.mkdir(parents=True, exist_ok=True)

@@ -106,7 +106,9 @@ def with_shuffled_predictions(policy: Playing, name: str) -> Playing:
     """
     tracker: Any = getattr(policy, "tracker", None)
     if not hasattr(tracker, "predict"):
-        raise RequestError(f"--shuffled {name}: it predicts nothing, its tracker has no method predict")
+        raise RequestError(
+            f"--shuffled {name}: the agent's tracker has no method predict: leave --shuffled out"
+        )
     tracker.predict = Shuffled(tracker.predict)
     return policy
 

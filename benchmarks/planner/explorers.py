@@ -190,14 +190,14 @@ def variant(text: str) -> PlannerConfig:
         if name not in known:
             near = get_close_matches(name, known, 1)
             raise RequestError(
-                f"--set {text}: {name or 'nothing'} is no number of PlannerConfig"
+                f"--set {text}: {name or 'nothing'} is not a number of PlannerConfig"
                 + (f". Did you mean {near[0]}?" if near else "")
             )
         try:
             changes[name] = type(known[name])(value)
         except ValueError:
             raise RequestError(
-                f"--set {text}: {name} needs a number such as it has, {known[name]}, not {value!r}"
+                f"--set {text}: {name} needs a number like its default, {known[name]}, not {value!r}"
             ) from None
     try:
         return replace(TUNED, **changes)

@@ -184,7 +184,9 @@ class Learning:
             again = self.environments(AT_ONCE, self.world, agent)
             policy = agent.make(envs)
             if not hasattr(policy, "tracker"):
-                raise RequestError(f"--decisions: {name} has no planner, and chooses no viewpoints")
+                raise RequestError(
+                    f"--decisions: {name} has no planner and chooses no viewpoints: leave --decisions out"
+                )
             tracked = cast(Tracked, policy)
             made = decisions(
                 envs, again, tracked, len(self.bank_houses), self.steps, self.ahead, self.decisions

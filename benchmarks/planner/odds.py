@@ -70,7 +70,9 @@ class Odds:
         torch.set_num_threads(1)
         free, asked = collect(list(by_rooms(ROOMS, self.houses, seed=100)), self.steps)
         if not free[:, ENTRIES].any():
-            raise RequestError("no place was asked for that had been seen before: more --houses or --steps")
+            raise RequestError(
+                "no target was asked for at a place already seen: give more --houses or --steps"
+            )
         print(sheet(free, asked).markdown())
         print(f"\nfloor_odds = {table(free.sum(axis=0), asked.sum(axis=0))}")
 

@@ -60,7 +60,7 @@ def fitted(
         with tempfile.TemporaryDirectory() as folder:
             found = shares(make(with_weights(grammar, weights, Path(folder) / grammar.name)))
         apart = off(found, target)
-        say(f"round {number}: {apart:.3f} rooms of a plan are of other types")
+        say(f"round {number}: {apart:.3f} rooms of a plan have other types")
         best = min(best, (apart, weights), key=lambda each: each[0])
         raw = {type_: w * (target[type_] + 0.02) / (found[type_] + 0.02) for type_, w in weights.items()}
         most = max(raw.values())

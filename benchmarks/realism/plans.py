@@ -23,7 +23,9 @@ def plans_of(source: str, rooms: Sequence[int], count: int, seed: int) -> list[P
     else:
         found = made(source, rooms, count, seed)
     if len(found) < 2:
-        raise RequestError(f"{source}: {len(found)} plans were read, and a set has 2 or more")
+        raise RequestError(
+            f"{source}: {len(found)} plans were read, but a set needs 2 or more: name more plans"
+        )
     return found
 
 
@@ -45,4 +47,4 @@ def _read(path: Path) -> Iterator[PlanFigures]:
             warnings.simplefilter("ignore")
             yield measured(read_plan(path))
     except (HouseFileError, RequestError) as error:
-        print(f"passed over: {path.name}: {error}", flush=True)
+        print(f"skipped: {path.name}: {error}", flush=True)

@@ -82,14 +82,16 @@ class Realism:
     def run(self) -> None:
         """Read or generate both sets, compare them and write the page; then fit, and compare again."""
         if self.houses < 1 or self.rounds < 1 or not self.rooms or min(self.rooms) < 1:
-            raise RequestError("--houses and --rounds need 1 or more, and each of --rooms")
+            raise RequestError("--houses, --rounds and each of --rooms must be 1 or more")
         grammar = find(self.ours) if self.fit else None
         if grammar and (self.out / FITTED_COPY).exists():
-            raise RequestError(f"{self.out / FITTED_COPY} is there already: name another --out")
+            raise RequestError(f"{self.out / FITTED_COPY} already exists: choose another --out folder")
         ours = plans_of(self.ours, self.rooms, self.houses, self.seed)
         other = plans_of(self.other, self.rooms, self.houses, self.seed + 1)
         if min(len(ours), len(other)) < FEWEST:
-            raise RequestError(f"{FEWEST} plans or more are compared: there are {len(ours)} and {len(other)}")
+            raise RequestError(
+                f"{len(ours)} and {len(other)} plans are too few: give {FEWEST} or more of each"
+            )
         page = [compared(ours, other, self.ours, self.other, self.seed)]
         if grammar:
             weights = self._fitted(grammar, other)

@@ -71,7 +71,7 @@ class Kills:
     def run(self) -> int:
         """Write the figures, and return 1 if a file is truncated."""
         if unknown := [name for name in self.commands if name not in COMMANDS]:
-            raise RequestError(f"--commands {unknown[0]}: there are {', '.join(COMMANDS)}")
+            raise RequestError(f"--commands {unknown[0]}: unknown command: choose from {', '.join(COMMANDS)}")
         note = self.out / "kills.json"
         done: dict[str, list[Kill]] = {}
         if note.exists():

@@ -193,13 +193,13 @@ class MutantTests:
                 content.update(file.read_bytes() if file.is_file() else b"")
             key = f"{path} {content.hexdigest()[:12]}"
             if key not in self.known:
-                say(f"measures {path}")
+                say(f"measuring {path}")
                 measured = self.ask([path], 3600, measure=self.seconds)
                 if not measured.get("seconds"):
                     raise StudyFailed(f"{path}: no test could be measured: {measured['failed']}")
                 self.known[key] = measured
                 write_whole(self.file, json.dumps(self.known).encode())
-                say(f"{len(self.known[key]['seconds'])} tests; fail already: {self.known[key]['failed']}")
+                say(f"{len(self.known[key]['seconds'])} tests; failing already: {self.known[key]['failed']}")
             found["failed"] += self.known[key]["failed"]
             found["others"] += self.known[key]["others"]
             for name in ("seconds", "entered"):

@@ -81,9 +81,9 @@ class Mutants:
     def run(self) -> int:
         """Try mutants, print the page, and return 1 if too many survivors have no reason."""
         if unknown := [name for name in self.kinds if name not in KINDS]:
-            raise RequestError(f"--kinds {unknown[0]}: there are {', '.join(KINDS)}")
+            raise RequestError(f"--kinds {unknown[0]}: unknown group: choose from {', '.join(KINDS)}")
         if self.each < 1 or self.seconds <= 0:
-            raise RequestError("--each is 1 or more, --seconds above 0")
+            raise RequestError("--each must be 1 or more, --seconds above 0")
         path = self.out / "rows.jsonl"
         rows = {row.mutant.key: row for row in _current(read_rows(path, MutantRow), self.seed)}
         with scratch() as copy:

@@ -10,6 +10,16 @@ from benchmarks.common.series import name_of
 NAMES = ("kernel", "step torch", "gymnasium step", "kernel on one core", "C on one core")
 """Benchmarks by number of environments: the columns of the first table."""
 
+VARIED = {
+    "houses": ("houses", " ({mib:,.0f} MiB on the device)"),
+    "segments": ("segments of a house", " (rooms: {of_rooms})"),
+    "rays": ("rays", ""),
+    "processors": ("processors", ""),
+    "backend": ("backend", ""),
+    "loop": ("loop", ""),
+}
+"""Rows of the table of varied quantities: title and addition of each value, by the key of its benchmarks."""
+
 
 def simulator_page(report: dict[str, Any], peers: dict[str, Any] | None) -> str:
     """Return the page: tables, and the results of ``peers``."""
@@ -45,12 +55,9 @@ def simulator_page(report: dict[str, Any], peers: dict[str, Any] | None) -> str:
             for e in entries
             if "asked" in e["extra_info"]
         ),
-        houses=_by(entries, "houses", lambda extra: f"{extra['bytes'] / 2**20:,.0f}"),
-        segments=_by(entries, "segments", lambda extra: str(extra["of_rooms"])),
-        rays=_by(entries, "rays"),
-        processors=_by(entries, "processors"),
-        backends=_by(entries, "backend"),
-        loops=_by(entries, "loop"),
+        varied="\n".join(
+            rows for key, (what, more) in VARIED.items() if (rows := _by(entries, key, what, more))
+        ),
         driven=_by(entries, "driven"),
         driven_ratio=_driven_ratio(entries),
         packing=table_rows(
@@ -100,15 +107,20 @@ def _driven_ratio(entries: list[dict[str, Any]]) -> str:
     return f"{ours / bound:.2f}" if ours and bound else "not measured"
 
 
-def _by(entries: list[dict[str, Any]], key: str, more: Any = None) -> str:
-    """Return the rows of the benchmarks that vary a quantity: its value, (more,) and the rate."""
+def _by(entries: list[dict[str, Any]], key: str, what: str = "", more: str = "") -> str:
+    """Return the rows of the benchmarks that vary a quantity: its name if given, its value, the rate."""
     rows = []
     for entry in entries:
         extra = entry["extra_info"]
         if key in extra:
-            value = extra[key]
-            shown = value if isinstance(value, str) else f"{value:,.0f}"
-            rows.append([shown, *([more(extra)] if more else []), _rate(entry)])
+            value = extra[key] if isinstance(extra[key], str) else f"{extra[key]:,.0f}"
+            rows.append(
+                [
+                    *([what] if what else []),
+                    f"{value}{more.format(**extra, mib=extra.get('bytes', 0) / 2**20)}",
+                    _rate(entry),
+                ]
+            )
     return table_rows(rows)
 
 
@@ -224,49 +236,17 @@ each, and stores them. With random actions in 64 houses, about 60 million steps 
 because targets cover the whole floor. With few houses, or a task with few places (such as one room), the
 slow phase is short.
 
-## Number of houses
-4,096 environments; each episode draws a house.
+## Houses, segments, rays, processors and loops
+4,096 environments; each episode draws a house. A field of view is about 120 degrees. Both backends run in
+64 houses of 4 rooms on cells of 0.3 m. The loop for GPUs runs one task per environment and ray; on the CPU
+it gives the same bits. [Speed on a GPU](gpu.md) has the figures for GPUs.
 
-| different houses | MiB on the device | kernel |
+| varied | value | kernel |
 |---|---|---|
-{houses}
-
-## Number of segments
-4,096 environments, 16 houses.
-
-| segments in a house | rooms | kernel |
-|---|---|---|
-{segments}
+{varied}
 
 Packing a house lists what each square metre can see. These lists keep the cost of a step from growing with
 the house.
-
-## Number of rays
-A field of view of about 120 degrees, by default 3 degrees per ray.
-
-| rays | kernel |
-|---|---|
-{rays}
-
-## Number of processors
-| processors | kernel |
-|---|---|
-{processors}
-
-## Backends and loops
-4,096 environments, 64 houses of 4 rooms on cells of 0.3 m, for both backends:
-
-| backend | kernel |
-|---|---|
-{backends}
-
-The loop for GPUs runs one task per environment and ray. On the CPU it gives the same bits:
-
-| loop | kernel |
-|---|---|
-{loops}
-
-[Speed on a GPU](gpu.md) has the figures for GPUs.
 
 ## Bodies that drive
 Backend `free` (continuous control), 4,096 environments in the 64 houses. A round robot has limits on speed,

@@ -54,11 +54,12 @@ class Recipe:
     """Shipped grammar for a copy of which the recipe is."""
 
     def __str__(self) -> str:
-        """Return its title, the names of its files and their content."""
-        code = f"% {self.name}.pl\n".join(file.read_text(encoding="utf-8") for file in self.files)
-        title, *code = code.splitlines()
-        names = ", ".join(f"`{file.relative_to(RECIPES)}`" for file in self.files)
-        return "\n".join([f"**{title.removeprefix('%# ')}** {names}", "```prolog", *code, "```"])
+        """Return the names of its files, and their content, which begins with the title."""
+        first, *others = (
+            file.read_text(encoding="utf-8").removeprefix("%# ").rstrip() for file in self.files
+        )
+        names = ", ".join(str(file.relative_to(RECIPES)) for file in self.files)
+        return "\n".join([f"% {names}: {first}", *(f"% {self.name}.pl\n{each}" for each in others)])
 
 
 def recipes() -> list[Recipe]:
@@ -150,7 +151,10 @@ def page() -> str:
     parts["lengths"] = _table(prolog_entries())
     parts["goals"] = ", ".join(f"`{goal}`" for goal in goals())
     groups = groupby(recipes(), _about)
-    parts["recipes"] = "\n\n".join("\n\n".join([f"### {about}", *map(str, group)]) for about, group in groups)
+    parts["recipes"] = "\n\n".join(
+        "\n".join([f"### {about}", "```prolog", "\n\n".join(map(str, group)), "```"])
+        for about, group in groups
+    )
     limits = json.loads((RULES / "language" / "inexpressible.json").read_text(encoding="utf-8"))
     parts["inexpressible"] = "\n".join(f"| {each['topic']} | {each['says']} |" for each in limits)
     return re.sub("<!-- (\\w+) -->", lambda place: parts[place[1]], PAGE.read_text(encoding="utf-8"))

@@ -145,7 +145,7 @@ def test_a_prior_that_is_shuffled_is_that_of_other_environments() -> None:
 
 
 def test_an_agent_that_predicts_nothing_cannot_be_shuffled() -> None:
-    with pytest.raises(RequestError, match="predicts nothing"):
+    with pytest.raises(RequestError, match="no method predict"):
         with_shuffled_predictions(explorer(environments(1)), "explorer")
 
 

@@ -62,8 +62,8 @@ def test_the_study_goes_on_where_it_stopped_and_says_what_the_limit_stopped(
         ("ours", 8, 3),
     ]
     assert (tmp_path / "paper-complexity.png").read_bytes().startswith(b"\x89PNG")
-    assert "| 8 | the original: sample and test, rooms alone | 0 of 3 | over the limit |  |" in table(study)
-    assert "| 8 | here: furnished houses | 3 of 3 |" in capsys.readouterr().out
+    assert "| 8 | 0 of 3 | over the limit |  | 3 of 3 |" in table(study)
+    assert table(study) in capsys.readouterr().out
 
 
 def test_by_an_engine_each_cell_has_a_whole_machine_which_it_names(

@@ -17,7 +17,7 @@ def test_the_simulators_page_has_its_figures_and_the_ratio_to_c() -> None:
         "| 4,096 | 4.00 M [4.00 M, 4.00 M] | 3.00 M [3.00 M, 3.00 M] | 4.00 M [4.00 M, 4.00 M] | 0.75 |"
         in page
     )
-    assert "| 2 | 2 | 5.00 M [5.00 M, 5.00 M] |" in page
+    assert "| houses | 2 (2 MiB on the device) | 5.00 M [5.00 M, 5.00 M] |" in page
     for words in (
         "| a launch | 0.020 |",
         "| goal | 1.25 [1.00, 1.50] |",
