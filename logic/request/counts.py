@@ -54,7 +54,7 @@ def as_range(name: str, count: Any) -> Range:
     if type(least) is not int or not (most is None or type(most) is int):
         raise RequestError(f"{name}: a count is a whole number or a pair of them, not {count!r}")
     if not 0 <= least <= (MOST if most is None else most) <= MOST:
-        raise RequestError(f"{name}: counts are whole numbers from 0, the lesser first, not {count!r}")
+        raise RequestError(f"{name}: give two whole numbers from 0, the smaller first, not {count!r}")
     return least, most
 
 

@@ -64,9 +64,9 @@ narrow_walls(Walls, Types, Wrong) :-
     ( Walls == apart -> Where = "the width" ; Where = "a wall" ),
     (   Others == [], Types = [_,_|_]
     ->  append([metres(Door),Where,clause(door_width(_))|Margins], [metres(Long)], Said),
-        clash(room_size(Type,_,_), "a door takes ~w m of ~w by ~w~w~w, and this allows ~w m at most", Said, Wrong)
+        clash(room_size(Type,_,_), "a door needs ~w m of ~w by ~w~w~w, but this allows at most ~w m", Said, Wrong)
     ;   append([metres(Door),Where|Margins], [clause(room_size(Type,_,_)),metres(Long)], Said),
-        clash(door_width(_), "a door takes ~w m of ~w~w~w, and ~w allows ~w m at most", Said, Wrong) ).
+        clash(door_width(_), "a door needs ~w m of ~w~w~w, but ~w allows at most ~w m", Said, Wrong) ).
 
 %   idle_piece(+Types, -Wrong): of several clauses for a piece, one holds at no wall of any room.
 
@@ -79,7 +79,7 @@ idle_piece(Types, Wrong) :-
     findall(Head-Body, clause(grammar:Head, Body), Clauses), Clauses = [_,_|_],
     nth0(Number, Clauses, Head-Body),
     \+ ( member(Short-Long, Walls), \+ \+ may_hold(Body, Wall, Short, Long) ),
-    clash_at(Number, piece_size(Piece,_,_,_), "it holds at no wall: those of rooms are ~w to ~w m long"-[metres(Least),metres(Most)], Wrong).
+    clash_at(Number, piece_size(Piece,_,_,_), "no wall satisfies this clause: walls of rooms are ~w to ~w m long"-[metres(Least),metres(Most)], Wrong).
 
 %   may_hold(+Body, ?Wall, +Short, +Long): or it is at fault in another way.
 
@@ -101,9 +101,9 @@ area_wrong(Type, Wrong) :-
     ->  sized(room_size(Type, W0, D0)), size_system([W,D], [W0,D0], size(Type), System), corners(System, W, D, Corners),
         least_and_greatest_area(Corners, Low-_, High-_),
         (   L > High + 1.0e-9
-        ->  clash(room_area(Type,_,_), "~w m2 at least, and ~w allows ~w m2 at most", [metres(L),clause(room_size(Type,_,_)),metres(High)], Wrong)
+        ->  clash(room_area(Type,_,_), "~w m2 at least, but ~w allows at most ~w m2", [metres(L),clause(room_size(Type,_,_)),metres(High)], Wrong)
         ;   M < Low - 1.0e-9,
-            clash(room_area(Type,_,_), "~w m2 at most, and ~w allows ~w m2 at least", [metres(M),clause(room_size(Type,_,_)),metres(Low)], Wrong) )
+            clash(room_area(Type,_,_), "~w m2 at most, but ~w allows at least ~w m2", [metres(M),clause(room_size(Type,_,_)),metres(Low)], Wrong) )
     ;   Wrong = Report ).
 
 areas_found(Head, Least, Most, Found) :-
@@ -123,7 +123,7 @@ window_wrong(Type, Lit, Wrong) :-
     longest_wall(shared, Type, Long), shortest_wall(Type, Short),
     Left is Long - 2*Margin,
     (   Lit == true, Left < 1.0e-6
-    ->  clash(window_margin(_), "no window has it on both sides in ~w, whose walls are ~w m at most", [clause(room_size(Type,_,_)),metres(Long)], Wrong)
+    ->  clash(window_margin(_), "no window fits with this margin on both sides in ~w, whose walls are at most ~w m", [clause(room_size(Type,_,_)),metres(Long)], Wrong)
     ;   stated_for(window_size(Type,_,_)), ( Lit == true -> true ; named(window_size(Type,_,_)) ),
         format(string(Above), "~~w >= ~3g (in ~w)", [Short,Type]), format(string(Below), "~~w =< ~3g (in ~w)", [Long,Type]),
         Given = [(Wall >= Short)-said(Above,[3]),(Wall =< Long)-said(Below,[3])],
@@ -131,7 +131,7 @@ window_wrong(Type, Lit, Wrong) :-
         (   Report = wrong(_,_,_,_)
         ->  Wrong = Report
         ;   \+ window_fits(Type, Margin, Long),
-            clash(window_size(Type,_,_), "with ~w on both sides no such window fits in ~w, whose walls are ~w m at most",
+            clash(window_size(Type,_,_), "with ~w on both sides no such window fits in ~w, whose walls are at most ~w m",
                   [clause(window_margin(_)),clause(room_size(Type,_,_)),metres(Long)], Wrong) ) ).
 
 named(Head) :-
@@ -148,21 +148,21 @@ window_fits(Type, Margin, Long) :- \+ \+ ( grammar:window_size(Type, Length, Wal
 
 %   pair_wrong(+Units, +Types, -Wrong): of a type that there is not, no width, stated twice, or wider than the walls of such rooms.
 
-pair_wrong(true, _, Wrong) :- clash(door_width(_,_,_), "units have no doors of other widths: state door_width/1 alone", [], Wrong).
+pair_wrong(true, _, Wrong) :- clash(door_width(_,_,_), "all doors of units have one width: state only door_width/1", [], Wrong).
 pair_wrong(false, Types, Wrong) :-
     findall(A/B/W, ( clause(grammar:door_width(A,B,W0), Body), ( Body == true -> W = W0 ; W = none ) ), Pairs),
     nth0(Number, Pairs, A/B/W),
     (   member(End, [A,B]), \+ ( End == outside ; member(room(Type,_), Types), Type == End )
-    ->  ( var(End) -> Said = "a pair is of two names of types"-[] ; Said = "no room is of type ~w"-[End] )
+    ->  ( var(End) -> Said = "give the names of two room types"-[] ; Said = "no room has the type ~w"-[End] )
     ;   A-B == outside-outside
-    ->  Said = "a door leads from a room"-[]
+    ->  Said = "a door needs a room on one side"-[]
     ;   \+ ( number(W), W > 0 )
-    ->  Said = "is not a number of metres more than 0"-[]
+    ->  Said = "must be a number of metres more than 0"-[]
     ;   nth0(Other, Pairs, C/D/_), Other < Number, memberchk(C-D, [A-B,B-A])
-    ->  Said = "such doors have a width already: state one"-[]
+    ->  Said = "these doors already have a width: keep one"-[]
     ;   stated_length(door_margin, Margin), number(Margin), Door is W + 2*Margin,
         member(End, [A,B]), End \== outside, longest_wall(shared, End, Long), Long < Door - 1.0e-9,
-        Said = "it takes ~w m of a wall with its margins, and ~w allows ~w m at most"-[metres(Door),clause(room_size(End,_,_)),metres(Long)] ), !,
+        Said = "such a door needs ~w m of a wall with its margins, but ~w allows at most ~w m"-[metres(Door),clause(room_size(End,_,_)),metres(Long)] ), !,
     clash_at(Number, door_width(_,_,_), Said, Wrong).
 
 % - walls -------------------------------------------------------------------------------------------------------
@@ -172,21 +172,21 @@ pair_wrong(false, Types, Wrong) :-
 thickness_wrong(_, Wrong) :-
     findall(Kind, clause(grammar:wall_thickness(Kind,_), _), Kinds),
     nth0(Number, Kinds, Kind), \+ ( member(Known, [inner,outer]), Kind == Known ),
-    clash_at(Number, wall_thickness(_,_), "walls are inner or outer ones, and these ~w"-[Kind], Wrong).
+    clash_at(Number, wall_thickness(_,_), "write inner or outer, not ~w"-[Kind], Wrong).
 thickness_wrong(_, Wrong) :-
     member(Kind, [inner,outer]),
     judged(thickness_found(Kind, Found), Found, []-wall_thickness(Kind,_), Wrong), Wrong = wrong(_,_,_,_).
 thickness_wrong(_, Wrong) :-
     \+ stated(wall_thickness(inner,_)),
-    clash(wall_thickness(outer,_), "inner walls have none: state wall_thickness(inner, 0.1), too", [], Wrong).
+    clash(wall_thickness(outer,_), "inner walls have no thickness: also state wall_thickness(inner, 0.1)", [], Wrong).
 thickness_wrong(_, Wrong) :-
     maplist(stated_length, [inner_wall,outer_wall], [Inner,Outer]), ( Outer < Inner ; Inner =:= 0, Outer > 0 ),
-    clash(wall_thickness(outer,_), "outer walls are at least as thick as inner ones, which ~w says are ~w m thick, and more than 0 m if outer ones are",
+    clash(wall_thickness(outer,_), "outer walls must be at least as thick as inner walls (~w: ~w m), and inner walls must have a thickness if outer walls do",
           [clause(wall_thickness(inner,_)),metres(Inner)], Wrong).
 thickness_wrong(Types, Wrong) :-
     member(Kind-Name, [inner-inner_wall,outer-outer_wall]), stated(wall_thickness(Kind,_)), stated_length(Name, Thick),
     smallest(Types, Least), shortest_wall(Least, Short), Thick > Short,
-    clash(wall_thickness(Kind,_), "walls thicker than rooms: ~w allows rooms of ~w m", [clause(room_size(Least,_,_)),metres(Short)], Wrong).
+    clash(wall_thickness(Kind,_), "a wall may not be thicker than a room: ~w allows rooms of ~w m", [clause(room_size(Least,_,_)),metres(Short)], Wrong).
 
 thickness_found(Kind, Found) :-
     findnsols(2, M, grammar:wall_thickness(Kind, M), Stated), !,
@@ -202,7 +202,7 @@ turning_wrong(Type, Wrong) :-
     judged(turning_found(Type, Found), Found, []-turning(Type,_), Report),
     (   number(Report)
     ->  room_range(Type, _-W, _-D), Most is min(W, D), Report > Most + 1.0e-9,
-        clash(turning(Type,_), "no room by ~w is so large: ~w m at most one way", [clause(room_size(Type,_,_)),metres(Most)], Wrong)
+        clash(turning(Type,_), "no room by ~w is large enough: at most ~w m in one direction", [clause(room_size(Type,_,_)),metres(Most)], Wrong)
     ;   Wrong = Report ).
 
 turning_found(Type, Found) :-
@@ -224,12 +224,12 @@ whole_wrong(Units, Types, Openings, Wrong) :-
     (   Report = wrong(_,_,_,_)
     ->  Wrong = Report
     ;   Units == true
-    ->  clash(Said, "the area of a room with its parts is not stated in houses of units: state room_area/3 of each", [], Wrong)
+    ->  clash(Said, "houses of units have no areas of rooms with their parts: state room_area/3 of each room", [], Wrong)
     ;   \+ memberchk(part(_,Type), Openings)
-    ->  clash(Said, "no room is a part of a room of type ~w: say which is, with part/2 in a .lp file, or state room_area/3", [Type], Wrong)
+    ->  clash(Said, "no room is a part of a room of type ~w: state which is by part/2 in a .lp file, or state room_area/3", [Type], Wrong)
     ;   Report = _-M, type_ranges(Type, ranges(_,_,Low-_)), square_metres(Low, Alone), M < Alone - 1.0e-9,
         ( grammar:room_area(Type, _, _) -> Clause = room_area(Type,_,_) ; Clause = room_size(Type,_,_) ),
-        clash(Said, "~w m2 at most, and ~w allows ~w m2 at least, without a part", [metres(M),clause(Clause),metres(Alone)], Wrong) ).
+        clash(Said, "~w m2 at most, but ~w allows at least ~w m2 without a part", [metres(M),clause(Clause),metres(Alone)], Wrong) ).
 
 % - openings ----------------------------------------------------------------------------------------------------
 
@@ -247,7 +247,7 @@ opening_wrong(Types, Openings, Wrong) :-
     longest_wall(shared, T, LongT), longest_wall(shared, U, LongU), Long is min(LongT, LongU), Long >= Width,
     once(( member(A-B, [T-U,U-T]), \+ \+ clause(grammar:opening_size(A,B,_,_), _) )),
     Head = opening_size(A,B,L,Wall),
-    format(string(Above), "~~w >= ~3g (a door)", [Width]), format(string(Below), "~~w =< ~3g (as these rooms share at most)", [Long]),
+    format(string(Above), "~~w >= ~3g (a door)", [Width]), format(string(Below), "~~w =< ~3g (the longest wall that these rooms share)", [Long]),
     Given = [(Wall >= Width)-said(Above,[4]),(Wall =< Long)-said(Below,[4]),(L =< Wall)-said("~w =< Wall",[3])],
     copy_term(Head, Tried),  % What is posted about it is Given, where it is to be explained.
     judged(opening_found(Tried, Width-Long, Found), Found, Given-Head, Report),
@@ -271,7 +271,7 @@ house_wrong(Types, Wrong) :-
     ->  Wrong = Report
     ;   \+ ( member(room(Type,_), Types), in_house(Type) ),
         smallest(Types, Least),
-        clash(house_size(_,_), "no room fits in it, not even ~w", [clause(room_size(Least,_,_))], Wrong) ).
+        clash(house_size(_,_), "no room fits in a house of this size, not even ~w", [clause(room_size(Least,_,_))], Wrong) ).
 
 house_found(Found) :-
     { W > 0, D > 0 },
@@ -290,7 +290,7 @@ smallest(Types, Least) :- findall(Short-Type, ( member(room(Type,_), Types), sho
 %   total_wrong(+Topology, +Rooms, +Types, -Wrong): what one room must have, or what the house may have, is out of its area.
 
 total_wrong(shared-true, _, _, Wrong) :-
-    clash(house_area(_,_), "neither a house of units nor a unit has an area that is stated: state unit_depth/1, and room_area/3 of the rooms", [], Wrong).
+    clash(house_area(_,_), "houses of units have no stated area: state unit_depth/1, and room_area/3 of the rooms", [], Wrong).
 total_wrong(Walls-false, Rooms, Types, Wrong) :-
     judged(areas_found(house_area(Least,Most), Least, Most, Found), Found, []-house_area(_,_), Report),
     (   Report = L-M
@@ -304,24 +304,24 @@ total_disagrees(Walls, _-Most, _, Sized, Wrong) :-
     ( Walls == shared, grammar:room_area(Type, _, _) -> Clause = room_area(Type,_,_) ; Clause = room_size(Type,_,_) ),
     maplist(square_metres, [Most,Least], [M,A]),
     (   Walls == shared
-    ->  clash(house_area(_,_), "~w m2 at most, and no room is smaller than ~w allows, ~w m2", [metres(M),clause(Clause),metres(A)], Wrong)
-    ;   clash(house_area(_,_), "~w m2 at most, and neither the main room nor another is smaller than ~w allows, ~w m2", [metres(M),clause(Clause),metres(A)], Wrong) ).
+    ->  clash(house_area(_,_), "~w m2 at most, but no room is smaller than ~w allows: ~w m2", [metres(M),clause(Clause),metres(A)], Wrong)
+    ;   clash(house_area(_,_), "~w m2 at most, but neither the main room nor another is smaller than ~w allows: ~w m2", [metres(M),clause(Clause),metres(A)], Wrong) ).
 total_disagrees(shared, Least-_, _, _, Wrong) :-
     stated(house_size(_,_)), house_system(W, D, System), corners([(0 =< W)-[],(0 =< D)-[]|System], W, D, Corners),
     least_and_greatest_area(Corners, _, High-_), Least > High + 1.0e-9,
     maplist(square_metres, [Least,High], [L,H]),
-    clash(house_area(_,_), "~w m2 at least, and ~w allows ~w m2 at most", [metres(L),clause(house_size(_,_)),metres(H)], Wrong).
+    clash(house_area(_,_), "~w m2 at least, but ~w allows at most ~w m2", [metres(L),clause(house_size(_,_)),metres(H)], Wrong).
 total_disagrees(Walls, Least-_, Rooms, Sized, Wrong) :-
     findall(A, member(ranges(_,_,_-A)-_, Sized), Areas), max_list(Areas, Largest),
     findall(W, member(ranges(_-W,_,_)-_, Sized), Ws), max_list(Ws, Widest),
     ( Walls == shared -> High is Rooms*Largest ; greatest_star(Rooms, Widest, Largest, High) ), Least > High + 1.0e-9,
     maplist(square_metres, [Least,High], [L,H]),
-    clash(house_area(_,_), "~w m2 at least, and a house of ~w rooms, the most there are, has ~w m2 at most", [metres(L),Rooms,metres(H)], Wrong).
+    clash(house_area(_,_), "~w m2 at least, but a house of ~w rooms, the largest number, has at most ~w m2", [metres(L),Rooms,metres(H)], Wrong).
 
-unit_wrong(false, _, Wrong) :- clash(unit_depth(_), "the houses of this topology have no units, as those of building have", [], Wrong).
+unit_wrong(false, _, Wrong) :- clash(unit_depth(_), "houses of this topology have no units: remove the clause, or state topology(building)", [], Wrong).
 unit_wrong(true, Types, Wrong) :-
     judged(sizes_found(unit_depth(D), [D], [], Found), Found, []-unit_depth(_), Report),
     (   Report = wrong(_,_,_,_)
     ->  Wrong = Report
     ;   Report = [_,High], smallest(Types, Least), shortest_wall(Least, Short), High < Short,
-        clash(unit_depth(_), "~w m at most, and no room is less deep than ~w allows", [metres(High),clause(room_size(Least,_,_))], Wrong) ).
+        clash(unit_depth(_), "~w m at most, but no room is less deep than ~w allows", [metres(High),clause(room_size(Least,_,_))], Wrong) ).

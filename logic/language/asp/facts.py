@@ -101,13 +101,13 @@ class Facts:
         said = [(stated(each.arguments[0]), each.arguments[1].string) for each in probe.atoms("wrong", 2)]
         spare: set[str] = set()
         with_values = {fact for fact, why in said if not PREDICATE.search(why)}
-        for fact, why in sorted(said, key=lambda each: each[1].startswith("it has no furniture")):
+        for fact, why in sorted(said, key=lambda each: each[1].startswith("this type has no furniture")):
             names = [str(each) for each in fact.arguments]
             error = self.at(fact, f"{fact}: {why}")
             if "type/1" in why and self._is_included(error):
                 spare |= {*names} - types  # The grammar may leave out a type that an included file furnishes.
                 continue
-            if why.startswith("it has no furniture") and (meant := closest(names[0], spare)):
+            if why.startswith("this type has no furniture") and (meant := closest(names[0], spare)):
                 error = self.at(fact, f"{fact}: {why}. Did you mean {meant}, as included?")
             if not PREDICATE.search(why):
                 place = (error.file, error.line, error.column, why)
@@ -151,7 +151,7 @@ def _renamed(absent: Mapping[tuple[str, str], Mistake]) -> list[Mistake]:
     Then the mistakes say so.
     """
     unknown = {name for name, why in absent if "type/1" in why}
-    empty = {name for name, why in absent if why.startswith("it has no furniture")}
+    empty = {name for name, why in absent if why.startswith("this type has no furniture")}
     if not (len(unknown) == len(empty) == 1):
         return list(absent.values())
     meant = f". Did you mean {min(empty)}, which has no furniture?"

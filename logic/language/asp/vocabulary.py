@@ -202,7 +202,7 @@ def misspelt_names(own: Words, sized: Iterable[str]) -> Iterator[Mistake]:
         if len(uses) == 1 and (beside := _beside(name, own, known)) is not None and not beside & spoken:
             continue  # A value in a table of the grammar, such as zone(kitchen,loud).
         if len(uses) == 1:
-            yield _misspelt(name, uses[0], "stands nowhere else", others - {name})
+            yield _misspelt(name, uses[0], "occurs nowhere else", others - {name})
         elif name not in own.stated:
             yield _misspelt(name, uses[0], "stands in no fact or head", others)
     for name, use in own.defined.items():
@@ -227,7 +227,7 @@ def misspelt_lines(own: Words) -> Iterator[Mistake]:
     for name, uses in lines.items():
         near = closest(name, others - {name})
         if near and len(uses) == 1 and name not in own.constants and name != "outline":
-            yield _misspelt(name, uses[0], "is a line that stands nowhere else", {near})
+            yield _misspelt(name, uses[0], "is a line that occurs nowhere else", {near})
 
 
 def _misspelt(name: str, use: Use, what: str, others: set[str]) -> Mistake:

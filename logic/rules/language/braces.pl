@@ -48,19 +48,19 @@ two_terms(A-PA, B-PB, Source, Position-Text) :-
 decimal_comma(Source, Position, Text) :-
     wording(Source, Position, Said),
     split_string(Said, ",", " ", Parts), atomic_list_concat(Parts, '.', Meant),
-    format(string(Text), "~w is two terms: write ~w", [Said, Meant]).
+    format(string(Text), "~w is read as two terms: write ~w", [Said, Meant]).
 
 fault(C, P, Source, _, P, Text) :- var(C), !,
-    said("~w is a variable alone: state a bound, as in ~w =< 4.6", [P,P], Source, Text).
+    said("~w is only a variable: state a bound, as in ~w =< 4.6", [P,P], Source, Text).
 fault(C, term_position(_,_,_,_,[PA,PB]), Source, Names, At, Text) :- relation(C, A, B), !,
     ( wrong(A, PA, Source, Names, At, Text) ; wrong(B, PB, Source, Names, At, Text) ).
 fault(C, P, Source, _, At, Text) :-
     compound(C), compound_name_arity(C, Name, 2), misread(Name, Meant), !,
     P = term_position(_,_,From,To,_), At = From-To,
     wording(Source, At, Said),
-    format(string(Text), "~w is no constraint: write ~w", [Said, Meant]).
+    format(string(Text), "~w is not a constraint: write ~w", [Said, Meant]).
 fault(_, P, Source, _, P, Text) :-
-    said("~w is no constraint: state a bound by =<, >= or =", [P], Source, Text).
+    said("~w is not a constraint: state a bound by =<, >= or =", [P], Source, Text).
 
 relation(A =< B, A, B).   relation(A >= B, A, B).   relation(A = B, A, B).
 relation(A < B, A, B).    relation(A > B, A, B).    relation(A =:= B, A, B).
@@ -78,16 +78,16 @@ wrong(E, _, _, _, _, _) :- number(E), !, fail.
 wrong(E, parentheses_term_position(_,_,P), Source, Names, At, Text) :- !, wrong(E, P, Source, Names, At, Text).
 wrong(E, P, Source, _, P, Text) :- string(E), !,
     wording(Source, P, Said),
-    format(string(Text), "~w is text and no number: write ~w without quotes", [Said, E]).
+    format(string(Text), "~w is text, not a number: write ~w without quotes", [Said, E]).
 wrong(E, P, Source, Names, P, Text) :- atom(E), !,
     (   member(Name=_, Names), downcase_atom(Name, Low), downcase_atom(E, Low)
-    ->  format(string(Text), "~w is a name and no number: did you mean the variable ~w?", [E, Name])
-    ;   said("~w is a name and no number: a variable begins in upper case", [P], Source, Text) ).
+    ->  format(string(Text), "~w is a name, not a number: did you mean the variable ~w?", [E, Name])
+    ;   said("~w is a name, not a number: a variable begins in upper case", [P], Source, Text) ).
 wrong(E, term_position(_,_,_,_,Ps), Source, Names, At, Text) :- arithmetic(E), !,
     E =.. [_|Es], nth1(N, Es, A), nth1(N, Ps, P),
     wrong(A, P, Source, Names, At, Text).
 wrong(_, P, Source, _, P, Text) :-
-    said("~w is no arithmetic: CLP(R) has numbers, variables, +, -, * and /", [P], Source, Text).
+    said("~w is not arithmetic: CLP(R) accepts numbers, variables, +, -, * and /", [P], Source, Text).
 
 arithmetic(E) :-
     functor(E, Name, Arity),

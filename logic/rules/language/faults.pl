@@ -47,14 +47,14 @@ for(Head, term(_,_,clause(H,_,_,_,_,_))) :- \+ H \= Head.
 general(empty,        "allows no size").
 general(several,      "has more than one solution: state one").
 general(raised,       "cannot be solved: a size is a number, or a variable with bounds in braces").
-general(nonlinear,    "has a constraint that is nonlinear, and CLP(R) decides linear ones").
+general(nonlinear,    "has a nonlinear constraint, but CLP(R) decides only linear constraints").
 general(unbounded,    "is not bounded on both sides").
 general(not_positive, "allows a size that is not positive").
-general(endless,      "recurs without end").
-general(not_metres,   "is not a number of metres, 0 or more").
-general(no_width,     "is not a number of metres more than 0").
+general(endless,      "never ends").
+general(not_metres,   "must be a number of metres, 0 or more").
+general(no_width,     "must be a number of metres more than 0").
 general(too_large,    "is larger than any house").
-general(no_areas,     "is not a least and a greatest number of square metres, in this order, 0 or more").
+general(no_areas,     "must give the least and the greatest area in square metres, in this order, 0 or more").
 
 %!  clause_line(+Head, +Other, -Words) is det.
 %
@@ -112,7 +112,7 @@ fault(nonlinear, Terms, Clauses, Given-Head, At, Text) :-
     member(step(post(_),post(Live),At), Steps),
     linear_instead(Live, Linear), functor(Head, Name, _),
     ( nonlinear(Live, A*B), A \== B, stated_area(Name, Area) -> Instead = Area ; Instead = Linear ), !,
-    spoken("~w is nonlinear, and CLP(R) decides linear constraints alone: ~w", [At,Instead], Text).
+    spoken("~w is nonlinear, but CLP(R) decides only linear constraints: ~w", [At,Instead], Text).
 fault(several, Terms, Clauses, Call, At, Text) :-
     findall(Clause, ( member(Clause, Clauses), once(path(Terms, [Clause], Call, _, _, _, holds)) ), Holding),
     several(Holding, At, Text).
@@ -126,11 +126,11 @@ fault(not_positive, Terms, Clauses, Call, At, Text) :-
     path(Terms, Clauses, Call, Clause, Live, _, holds),
     size(Clause, Live, X, Words), extremes(X, Low-_), Low =< 0, !,
     head(Clause, At),
-    spoken("~w: ~w can be ~w m, and a size is more than 0", [At,Words,Low], Text).
+    spoken("~w: ~w can be ~w m, but a size must be more than 0", [At,Words,Low], Text).
 fault(endless, Terms, Clauses, _, At, Text) :-
     member(Clause, Clauses), head(Clause, At),
     once(called(Terms, Clause, [], Looped, Goal)), line(At, Goal, Line),
-    spoken("~w recurs without end: ~w calls itself in ~w", [At,Looped,Line], Text).
+    spoken("~w never ends: ~w calls itself in ~w", [At,Looped,Line], Text).
 
 %   stated_area(+Name, -Text) is semidet: how an area is stated that the clause of this name is to bound.
 
@@ -147,16 +147,16 @@ several(Clauses, At, Text) :-
     Clauses = [_,_|_], member(Clause, Clauses), Clause = term(_,_,clause(Head,_,_,_,_,_)),
     functor(Head, Name, _), arguments(Name, ["Type"|_]), arg(1, Head, Type), var(Type), !,
     head(Clause, At),
-    spoken("~w is for every type, and some have a clause of their own: name the types that this is for", [At], Text).
+    spoken("~w applies to every type, but some types have their own clause: name the types of this clause", [At], Text).
 several([First,Second|_], At, Text) :- !,
     head(Second, At), head(First, There), line(At, There, Line),
-    spoken("~w is a second clause: the first stands in ~w. State one", [At,Line], Text).
+    spoken("~w is a second clause: the first is in ~w. State one", [At,Line], Text).
 several([Clause], At, Text) :- head(Clause, At), spoken("~w has more than one solution: state one", [At], Text).
 
 error_text(error(instantiation_error,_), At, Text) :- !,
-    spoken("~w is computed, and a variable has no value yet: constraints stand in braces, { ~w }", [At,At], Text).
+    spoken("~w is computed, but a variable has no value yet: write constraints in braces, { ~w }", [At,At], Text).
 error_text(error(type_error(evaluable,Name/0),_), At, Text) :- !,
-    spoken("~w: ~w is a name and no number", [At,Name], Text).
+    spoken("~w: ~w is a name, not a number", [At,Name], Text).
 error_text(Error, At, Text) :- spoken("~w raises an error: ~p", [At,Error], Text).
 
 %   size(+Clause, +Live, -X, -Words) is nondet: X is a size of a solved head, which its clause calls Words.
@@ -193,7 +193,7 @@ unknowns(term(_,_,clause(Head,_,_,_,Names,_)), Words) :-
     findall(Name, ( member(Name=V, Names), \+ ( member(K, Known), K == V ) ), Others),
     (   Others == []
     ->  Words = ""
-    ;   atomic_list_concat(Others, ', ', All), format(string(Words), " (none by ~w, which is not in the head)", [All]) ).
+    ;   atomic_list_concat(Others, ', ', All), format(string(Words), " (~w gives none, because it is not in the head)", [All]) ).
 
 %   called(+Terms, +Clause, +Path, -Name, -Place) is nondet: a predicate of the grammar that is called by way of itself.
 

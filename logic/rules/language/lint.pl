@@ -60,8 +60,8 @@ problem(directive(Goal), _, _, P, P, Text) :-
     (   nonvar(Goal), reads_file(Goal)
     ->  Text = "an include must be at the top of its file, alone on its line, as in :- include('home/furniture.pl')."
     ;   Goal = use_module(library(Other)), memberchk(Other, [clpfd,clpq,clpb])
-    ->  format(string(Text), "lengths are real numbers: write library(clpr) for library(~w), or leave the line out", [Other])
-    ;   format(string(Text), "a directive runs code when the file is read: ~p. A .pl file holds clauses; a rule that begins with :- belongs in a .lp file", [Goal]) ).
+    ->  format(string(Text), "lengths are real numbers: write library(clpr) for library(~w), or remove the line", [Other])
+    ;   format(string(Text), "a directive runs code when the file is read: ~p. A .pl file contains only clauses; a rule that begins with :- belongs in a .lp file", [Goal]) ).
 problem(clause(Head,_,_,_,_,_), _, _, P, P, Text) :- bad_head(Head, Text), !.
 problem(clause(Head,_,At,_,_,_), Source, Heads-Calls, _, At, unknown(Name,Text)) :-
     functor(Head, Name, Arity),
@@ -70,7 +70,7 @@ problem(clause(Head,_,At,_,_,_), Source, Heads-Calls, _, At, unknown(Name,Text))
     (   parted_number(Source, Head, At, Hint)
     ->  true
     ;   plan_role(Name/Arity)
-    ->  Hint = " in a star: state a topology/1 whose rooms share walls, or leave it out"
+    ->  Hint = " in a star: state a topology/1 whose rooms share walls, or remove the clause"
     ;   meant(Name/Arity, Others, Hint) ),
     format(string(Text), "nothing uses ~w/~w~w", [Name, Arity, Hint]).
 problem(clause(_,Body,_,P,Names,_), Source, Heads-_, _, At, Fault) :-
@@ -103,31 +103,31 @@ reads_file(include(_)).   reads_file(consult(_)).   reads_file([_|_]).   reads_f
 
 lone(Name, _, _, Others, Text) :-
     member(Other, Others), dwim_match(Name, Other), !,
-    format(string(Text), "~w stands nowhere else in its clause: did you mean ~w?", [Name, Other]).
+    format(string(Text), "~w occurs nowhere else in its clause: did you mean ~w?", [Name, Other]).
 lone(Name, Variable, Head, _, Text) :-
     arg(1, Head, Type), Type == Variable, !, downcase_atom(Name, Low),
-    format(string(Text), "~w stands nowhere else in its clause: a name begins in lower case: did you mean ~w?", [Name, Low]).
+    format(string(Text), "~w occurs nowhere else in its clause: a name begins in lower case: did you mean ~w?", [Name, Low]).
 lone(Name, Variable, Head, _, Text) :-
     size(Head, Size), Size == Variable, !,
-    format(string(Text), "~w stands nowhere else in its clause, so it has no bounds: state ~w >= ... and ~w =< ...",
+    format(string(Text), "~w occurs nowhere else in its clause, so it has no bounds: state ~w >= ... and ~w =< ...",
            [Name, Name, Name]).
-lone('Wall', _, Head, _, "Wall stands nowhere else in its clause: a room has no wall, only piece_size/4 does") :-
+lone('Wall', _, Head, _, "Wall occurs nowhere else in its clause: only piece_size/4 has a Wall, not room_size/3") :-
     functor(Head, room_size, 3), !.
 lone(Name, _, _, _, Text) :-
-    format(string(Text), "~w stands nowhere else in its clause (a singleton): use it, or write _", [Name]).
+    format(string(Text), "~w occurs nowhere else in its clause (a singleton): use it, or write _", [Name]).
 
 size(room_size(_,W,D), Size)    :- member(Size, [W,D]).
 size(piece_size(_,L,D,_), Size) :- member(Size, [L,D]).
 
 %   bad_head(+Head, -Text) is semidet: no grammar may define it.
 
-bad_head(Head, "a clause without a name") :- \+ callable(Head), !.
+bad_head(Head, "a clause must begin with a name, as in room_size(hall, W, D)") :- \+ callable(Head), !.
 bad_head(Head, Text) :-
     functor(Head, Name, Arity),
     (   \+ plain(Name)
-    ->  format(string(Text), "a clause begins with a name in lower case, as in room_size(hall, W, D): ~q/~w is none", [Name,Arity])
+    ->  format(string(Text), "the name of a clause must begin in lower case, as in room_size(hall, W, D), not ~q/~w", [Name,Arity])
     ;   ( pure(Name/Arity) ; built_in(Head) )
-    ->  format(string(Text), "~w/~w is SWI-Prolog's own: choose another name", [Name,Arity]) ).
+    ->  format(string(Text), "~w/~w is built into SWI-Prolog: choose another name", [Name,Arity]) ).
 
 built_in(Head) :-
     functor(Head, Name, _), current_predicate(Name, system:Head),
@@ -136,14 +136,14 @@ built_in(Head) :-
 
 plain(Name) :- atom_codes(Name, [First|Codes]), code_type(First, lower), forall(member(Code, Codes), code_type(Code, csym)).
 
-bad_goal(Goal, _, "a goal that is not known until it is run") :- var(Goal), !.
-bad_goal(Goal, _, "no goal: a clause holds CLP(R) constraints, arithmetic and comparison") :- \+ callable(Goal), !.
-bad_goal([_|_], _, "a list is no goal: constraints stand in braces, { }") :- !.
+bad_goal(Goal, _, "a goal cannot be a variable: write the goal itself") :- var(Goal), !.
+bad_goal(Goal, _, "not a goal: a clause may contain only CLP(R) constraints, arithmetic and comparison") :- \+ callable(Goal), !.
+bad_goal([_|_], _, "a list is not a goal: write constraints in braces, { }") :- !.
 bad_goal(Goal, Heads, Fault) :-
     functor(Goal, Name, Arity),
     \+ memberchk(Name/Arity, Heads), \+ role(Name/Arity), \+ pure(Name/Arity),
     (   predicate_property(user:Goal, defined)
-    ->  format(string(Fault), "~w/~w runs code: a clause holds CLP(R) constraints, arithmetic and comparison",
+    ->  format(string(Fault), "~w/~w runs code: a clause may contain only CLP(R) constraints, arithmetic and comparison",
                [Name, Arity])
     ;   findall(Known, ( role(Known) ; member(Known, Heads) ), Others),
         meant(Name/Arity, Others, Hint),
@@ -163,8 +163,8 @@ uncomputed(Goal, Source, At, Text) :-
     once(( expression_part(Expression, Part), \+ var(Part), \+ number(Part), \+ evaluable(Part) )),
     wording(Source, At, Said),
     (   atom(Part)
-    ->  format(string(Text), "~w: ~w is a name and no number", [Said,Part])
-    ;   format(string(Text), "~w: ~p is no arithmetic of a grammar", [Said,Part]) ).
+    ->  format(string(Text), "~w: ~w is a name, not a number", [Said,Part])
+    ;   format(string(Text), "~w: ~p is not arithmetic that a grammar may use", [Said,Part]) ).
 
 computed(_ is E, [E]).
 computed(A < B, [A,B]).   computed(A =< B, [A,B]).   computed(A =:= B, [A,B]).

@@ -56,20 +56,20 @@ stream_terms(In, Source, Terms) :-
 
 %   foreign(+Term, +Quotations, -Text) is semidet: Term holds what SWI-Prolog adds to Prolog's terms.
 
-foreign(_, [_|_], "a grammar has no quasi quotations").
+foreign(_, [_|_], "a grammar may not contain quasi quotations: remove them").
 foreign(Term, _, Text) :-
     sub_term(Part, Term), compound(Part),
     compound_name_arity(Part, Name, Arity),
     (   ( \+ atom(Name) ; Name/Arity == ('.')/2 )
-    ->  Text = "a grammar has no dicts, and no point between two names"
-    ;   Arity == 0, format(string(Text), "~q has no arguments: leave its brackets out", [Part]) ), !.
+    ->  Text = "a grammar may not contain dicts, or a point between two names: write them as two terms"
+    ;   Arity == 0, format(string(Text), "~q has no arguments: remove its brackets", [Part]) ), !.
 
 kind((:- Goal), _, _, _, directive(Goal)) :- !.
 kind((?- Goal), _, _, _, directive(Goal)) :- !.
-kind((_ --> _), _, _, _, error("a grammar has no DCG rules")) :- !.
-kind((_ => _), _, _, _, error("a clause has :- between its head and its body, not =>")) :- !.
-kind((_, _), _, _, _, error("a clause has :- between its head and its body, not a comma")) :- !.
-kind((_ := _), _, _, _, error("a clause has :- between its head and its body, not :=")) :- !.
+kind((_ --> _), _, _, _, error("a grammar may not contain DCG rules: write the clause with :-")) :- !.
+kind((_ => _), _, _, _, error("write :- between the head and the body of a clause, not =>")) :- !.
+kind((_, _), _, _, _, error("write :- between the head and the body of a clause, not a comma")) :- !.
+kind((_ := _), _, _, _, error("write :- between the head and the body of a clause, not :=")) :- !.
 kind((Head :- Body), term_position(_,_,_,_,[H,B]), Names, Singletons, clause(Head,Body,H,B,Names,Singletons)) :- !.
 kind(Head, Position, Names, Singletons, clause(Head,true,Position,Position,Names,Singletons)).
 

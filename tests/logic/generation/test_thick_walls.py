@@ -315,11 +315,11 @@ def test_no_thickness_is_the_same_as_none_bit_for_bit(tmp_path: Path) -> None:
 THICK = "wall_thickness(inner, 0.3). wall_thickness(outer, 0.1)."
 TWICE = "wall_thickness(inner, 0.1). wall_thickness(inner, 0.2)."
 WRONG = {
-    "wall_thickness(iner, 0.1).": ":1:1: wall_thickness(iner, 0.1): walls are inner or outer ones",
-    "wall_thickness(inner, -0.1).": ":1:1: wall_thickness(inner, -0.1) is not a number of metres, 0 or more",
-    "wall_thickness(outer, 0.3).": ":1:1: wall_thickness(outer, 0.3): inner walls have none: state",
-    "wall_thickness(inner, 3).": ":1:1: wall_thickness(inner, 3): walls thicker than rooms: room_size(wc",
-    THICK: ":1:29: wall_thickness(outer, 0.1): outer walls are at least as thick",
+    "wall_thickness(iner, 0.1).": ":1:1: wall_thickness(iner, 0.1): write inner or outer, not iner",
+    "wall_thickness(inner, -0.1).": ":1:1: wall_thickness(inner, -0.1) must be a number of metres, 0 or more",
+    "wall_thickness(outer, 0.3).": ":1:1: wall_thickness(outer, 0.3): inner walls have no thickness: also",
+    "wall_thickness(inner, 3).": ":1:1: wall_thickness(inner, 3): a wall may not be thicker than a room",
+    THICK: ":1:29: wall_thickness(outer, 0.1): outer walls must be at least as thick",
     TWICE: ":1:29: wall_thickness(inner, 0.2) is a second clause",
 }
 

@@ -190,7 +190,7 @@ def test_how_many_doors_a_public_room_has_is_said_to_be_no_rule(tmp_path: Path) 
         tmp_path, ("rooms.lp", "degree(hall,2,4).", "degree(hall,2,4).  degree(commonCorridor,1,3).")
     )
     (warning,) = LoadedGrammar(find(mine)).warnings
-    assert "how many doors a public room has depends on its units" in warning.message
+    assert "the units decide how many doors a public room has: remove this fact" in warning.message
 
 
 def test_a_building_lies_on_no_grid_and_says_so() -> None:

@@ -61,7 +61,7 @@ MISSPELT = [
         "lengths.pl",
         "door_width(0.8)",
         "door_width(0,8)",
-        "door_width/2: 0,8 is two terms: write 0.8",
+        "door_width/2: 0,8 is read as two terms: write 0.8",
     ),
     ("lengths.pl", "door_margin(0.1)", f"door_margin({10**400})", "is larger than any house"),
     (
@@ -81,10 +81,10 @@ MISSPELT = [
         "rooms.lp",
         "degree(hall,1,4)",
         "degree(hall,few,many)",
-        "{line}:24: error: degree(hall,few,many): counts are",
+        "{line}:24: error: degree(hall,few,many): give",
     ),
-    ("rooms.lp", "degree(hall,1,4)", "degree(1,4,hall)", "degree(1,4,hall): counts are whole numbers"),
-    ("rooms.lp", "notches(2)", "notches(two)", "notches(two): a number of corners is a whole number"),
+    ("rooms.lp", "degree(hall,1,4)", "degree(1,4,hall)", "degree(1,4,hall): give two whole numbers"),
+    ("rooms.lp", "notches(2)", "notches(two)", "notches(two): the number of corners must be a whole number"),
     ("rooms.lp", "type(hall;", "type(7; hall;", "7: a type is named by a word"),
     ("furniture.lp", "may(bedroom,bed,0,2)", "may(bedroom,12,0,1)", "12: a piece is named by a word"),
     (
@@ -97,7 +97,7 @@ MISSPELT = [
         "rooms.lp",
         "opens(outside, (hall; corridor; living))",
         "opens((hall; corridor; living), outside)",
-        "7:1: error: opens(hall,outside): outside comes first",
+        "7:1: error: opens(hall,outside): write outside first",
     ),
     ("furniture.pl", "piece_size(bed, ", "piece_size(bde, ", "Did you mean bed?"),
 ]
@@ -105,7 +105,7 @@ MISSPELT = [
 OF_UNITS = [
     ("public(", "pubic(", "did you mean public/1?"),
     ("units(5,9)", "unit(5,9)", "did you mean units/2?"),
-    ("units(5,9)", "units(few,many)", "units(few,many): counts are whole numbers"),
+    ("units(5,9)", "units(few,many)", "units(few,many): give two whole numbers"),
 ]
 
 GONE = {
@@ -201,7 +201,7 @@ def test_mistakes_of_several_causes_are_all_listed(solver: ProcessPoolExecutor, 
         rules.write("may(attic,bed,1,1).\nhides(soffa).\nturns(bedd,back).\nbeside(fridge,plant,2,1).\n")
     found = findings_of(folder, solver)
     assert len(found) == 4
-    for each in ("attic", "did you mean sofa?", "did you mean bed?", "the lesser first"):
+    for each in ("attic", "did you mean sofa?", "did you mean bed?", "the smaller first"):
         assert sum(each in finding for finding in found) == 1
 
 

@@ -264,4 +264,4 @@ def test_a_clause_of_a_piece_that_holds_at_no_wall_is_an_error(tmp_path: Path) -
     file.write_text("\n".join([*lines, more, ""]))
     (error,) = LoadedGrammar(find(folder)).errors
     assert error.line == len(lines) + 1
-    assert "it holds at no wall: those of rooms are 0.9 to 9.0 m long" in error.message
+    assert "no wall satisfies this clause: walls of rooms are 0.9 to 9.0 m long" in error.message

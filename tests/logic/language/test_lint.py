@@ -295,12 +295,12 @@ def test_a_grammar_may_leave_out_types_that_the_files_it_includes_furnish(tmp_pa
     (tmp_path / "rooms.lp").write_text(rules + "type(studdy).\nopens(hall,studdy).\n")
     [found] = findings(find(tmp_path))
     assert found.text == (
-        "type(studdy): it has no furniture: see may/4, empty/1. Did you mean study, as included?"
+        "type(studdy): this type has no furniture: see may/4, empty/1. Did you mean study, as included?"
     )
     opening = "opening(hall,living).\nopening_size(hall,living,L,_) :- { L >= 4.5 }.\n".splitlines(True)
     (tmp_path / "rooms.lp").write_text(rules + opening[0])
     (tmp_path / "sizes.pl").write_text(sizes + opening[1])
     [found] = findings(find(tmp_path))
     assert found.text.endswith(
-        "L >= 4.5, Wall =< 4 (as these rooms share at most) and L =< Wall exclude each other"
+        "L >= 4.5, Wall =< 4 (the longest wall that these rooms share) and L =< Wall exclude each other"
     )

@@ -142,7 +142,7 @@ TOPOLOGIES: dict[str, tuple[str, int, str]] = {
     "a misspelt outline": (
         ROWS.replace("edge(R,S,outline(S))", "edge(R,S,outlin(S))"),
         5,
-        r"mine.lp:9:1: outlin is a line that stands nowhere else: did you mean outline",
+        r"mine.lp:9:1: outlin is a line that occurs nowhere else: did you mean outline",
     ),
     "a misspelt choice": (
         ROWS.replace("option(north", "option(nroth"),
@@ -189,12 +189,12 @@ TOPOLOGIES: dict[str, tuple[str, int, str]] = {
     "too few rooms": (
         ROWS + "most_rooms(none).\n",
         5,
-        r"mine.lp:19:1: most_rooms\(none\): a number of rooms",
+        r"mine.lp:19:1: most_rooms\(none\): the number of rooms",
     ),
     "turns that are no number": (
         ROWS + "turn(north,late).\n",
         5,
-        r"mine.lp:19:1: turn\(north,late\): a turn is",
+        r"mine.lp:19:1: turn\(north,late\): the turn must",
     ),
 }
 

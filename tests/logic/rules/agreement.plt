@@ -23,7 +23,7 @@ test(no_wall_is_a_billion_metres_thick, Found == fault(too_large)) :- thickness(
 pair(Text, Wrong) :- stated(Text), agreement:pair_wrong(false, [room(bath,_),room(hall,_)], Wrong).
 
 test(a_width_is_stated_for_types_that_there_are, fail) :- pair("door_width(0.8).\ndoor_width(bath, outside, 0.7).", _).
-test(a_type_that_there_is_not_is_named, Line-Text == 2-"door_width(bath, kitchen, 0.7): no room is of type kitchen") :-
+test(a_type_that_there_is_not_is_named, Line-Text == 2-"door_width(bath, kitchen, 0.7): no room has the type kitchen") :-
     pair("door_width(0.8).\ndoor_width(bath, kitchen, 0.7).", wrong(_,Line,_,Text)).
 
 :- end_tests(agreement).

@@ -80,12 +80,12 @@ test(a_bound_in_another_line_is_named_with_it, Found == 1/1-"room_size(a, W, 1) 
     found("room_size(a, W, 1) :- { W >= 5,\n W =< 4 }.", empty, room_size(a,_,_), Found).
 test(without_an_explanation_the_clause_is_named, Found == 1/1-"room_size(a, 1, 1) allows no size") :-
     found("room_size(a, 1, 1).", empty, room_size(a,_,_), Found).
-test(a_clause_through_others_that_recurs, Found == 1/1-"room_size(a, W, W) recurs without end: b/1 calls itself in line 3") :-
+test(a_clause_through_others_that_recurs, Found == 1/1-"room_size(a, W, W) never ends: b/1 calls itself in line 3") :-
     found("room_size(a, W, W) :- b(W).\nb(W) :- c(W).\nc(W) :- b(W).", endless, room_size(a,_,_), Found).
 test(what_is_given_is_said_with_the_names_of_the_head, Text == "piece_size(p, Long, 1, _) allows no size: Long >= 5 and Long =< Wall exclude each other") :-
     while_loaded("piece_size(p, Long, 1, _) :- { Long >= 5 }.",
         fault_report(empty, [(Wall =< 3)-said("",[]),(L =< Wall)-said("~w =< ~w",[2,4])]-piece_size(p,L,_,Wall), wrong(_,1,1,Text))).
-test(a_size_without_bounds_says_which, Found == 1/1-"room_size(a, W, D): W has no upper bound, D has no lower and no upper bound (none by E, which is not in the head)") :-
+test(a_size_without_bounds_says_which, Found == 1/1-"room_size(a, W, D): W has no upper bound, D has no lower and no upper bound (E gives none, because it is not in the head)") :-
     found("room_size(a, W, D) :- { W >= 1, D >= E }.", unbounded, room_size(a,_,_), Found).
 
 :- end_tests(faults).

@@ -33,7 +33,7 @@ test(a_clause_that_does_not_end_is_a_problem, true(sub_string(Text, 0, _, _, "sy
     loaded(["passage(0.4).\nroom_size(a, 1, 1)"], [_-Text]).
 test(a_problem_of_the_second_file_is_named_by_it, Places == [2/1]) :-
     loaded(["passage(0.4).", "room_size(a W, 1)."], Found), findall(N/Line, member(N/Line/_-_, Found), Places).
-test(a_variable_that_stands_alone_is_a_problem, true(sub_string(Text, 0, _, _, "W stands nowhere else in its clause"))) :-
+test(a_variable_that_stands_alone_is_a_problem, true(sub_string(Text, 0, _, _, "W occurs nowhere else in its clause"))) :-
     loaded(["room_size(a, W, D) :- { D >= 1, D =< 2 }."], [1/1/14-Text]).
 test(problems_of_one_load_are_not_of_the_next, Found == []) :- loaded(["room_size(a W, 1)."], _), loaded(["passage(0.4)."], Found).
 test(of_a_dropped_grammar_nothing_is_left, P == []) :-

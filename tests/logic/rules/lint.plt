@@ -39,12 +39,12 @@ test(it_is_found_under_control_constructs) :-
            ( format(string(Text), "room_size(a, 1, 1) :- ~w.", [Body]), found([Text], [_-Said]), says(Said, "shell/1 runs code") )).
 test(an_unknown_goal_is_named_with_one_that_looks_like_it, Text == "there is no predicate bpth/1: did you mean both/1?") :-
     found(["room_size(a, W, 1) :- bpth(W), both(W).\nboth(1)."], [_-Text]).
-test(a_goal_that_is_a_variable, Text == "a goal that is not known until it is run") :- found(["room_size(a, 1, 1) :- X, X = true."], [_-Text]).
+test(a_goal_that_is_a_variable, Text == "a goal cannot be a variable: write the goal itself") :- found(["room_size(a, 1, 1) :- X, X = true."], [_-Text]).
 test(a_clause_that_nothing_uses, Text == "nothing uses room_gab/1: did you mean room_gap/1?") :- found(["room_gab(0.6)."], [_-Text]).
 test(another_arity_of_a_known_name, Text == "nothing uses room_size/2: did you mean room_size/3?") :- found(["room_size(a, 1)."], [_-Text]).
 test(a_predicate_that_only_calls_itself_is_not_used, true(says(Text, "nothing uses loop/1"))) :- found(["loop(X) :- loop(X)."], [_-Text]).
-test(a_clause_without_a_name, Text == "a clause without a name") :- found(["3."], [_-Text]).
-test(a_dcg_rule, Text == "a grammar has no DCG rules") :- found(["a --> b."], [_-Text]).
+test(a_clause_without_a_name, Text == "a clause must begin with a name, as in room_size(hall, W, D)") :- found(["3."], [_-Text]).
+test(a_dcg_rule, Text == "a grammar may not contain DCG rules: write the clause with :-") :- found(["a --> b."], [_-Text]).
 test(a_syntax_error_is_found_by_line_and_column_and_reading_goes_on, true(( Place == 1/2/16, says(Text, "syntax error"), Next == 3 ))) :-
     found(["passage(0.4).\nroom_size(a, W 1).\nroom_gab(0.6)."], [Place-Text,1/Next/_-_]).
 test(nothing_is_run, true(var(Value))) :-

@@ -52,15 +52,15 @@ faults(Constraints, Faults) :-
 test(linear_constraints_have_no_fault) :-
     forall(member(C, ["W >= 3", "W > 3, W < D", "(W =< 3, D = 2*W)", "W =:= -D + 2/3*E - (+1.0)", "W = 1 ; W = 2"]), faults(C, [])).
 test(what_is_not_linear_is_found_when_it_is_run, Faults == []) :- faults("W*D =< 12, W/D >= 1, W^2 = 4, sin(W) = 1", Faults).
-test(a_decimal_comma_is_one_fault, Faults == [6-"4,6 is two terms: write 4.6"]) :- faults("W =< 4,6", Faults).
-test(a_decimal_comma_in_a_product, Faults == [6-"0,50 is two terms: write 0.50"]) :- faults("W >= 0,50*D", Faults).
+test(a_decimal_comma_is_one_fault, Faults == [6-"4,6 is read as two terms: write 4.6"]) :- faults("W =< 4,6", Faults).
+test(a_decimal_comma_in_a_product, Faults == [6-"0,50 is read as two terms: write 0.50"]) :- faults("W >= 0,50*D", Faults).
 test(two_decimal_commas, Columns == [6,16]) :- faults("W >= 2,4, W =< 4,6", Faults), findall(C, member(C-_, Faults), Columns).
-test(a_number_that_is_no_part_of_one_is_no_constraint, Text == "3 is no constraint: state a bound by =<, >= or =") :- faults("W =< D, 3", [9-Text]).
+test(a_number_that_is_no_part_of_one_is_no_constraint, Text == "3 is not a constraint: state a bound by =<, >= or =") :- faults("W =< D, 3", [9-Text]).
 test(every_fault_is_found, Columns == [1,9,19]) :- faults("V, W >= \"3\", D =< wide", Faults), findall(C, member(C-_, Faults), Columns).
 test(a_relation_of_another_language_is_named_with_the_one_meant) :-
     forall(member(Said-Meant, ["<="-"=<","=>"-">=","≤"-"=<","≥"-">=","=="-"=","is"-"=","#>="-">="]),
-           ( format(string(C), "W ~w 3", [Said]), faults(C, [3-Text]), format(string(Text), "~w is no constraint: write ~w", [Said, Meant]) )).
-test(a_name_is_compared_with_the_variables, Text == "w is a name and no number: did you mean the variable W?") :- faults("W =< 3, w >= 2", [9-Text]).
+           ( format(string(C), "W ~w 3", [Said]), faults(C, [3-Text]), format(string(Text), "~w is not a constraint: write ~w", [Said, Meant]) )).
+test(a_name_is_compared_with_the_variables, Text == "w is a name, not a number: did you mean the variable W?") :- faults("W =< 3, w >= 2", [9-Text]).
 test(whatever_its_other_letters, true(sub_string(Text, _, _, 0, "did you mean the variable WallSide?"))) :-
     faults("WallSide =< 3, wallSide >= 2", [16-Text]).
 

@@ -115,7 +115,7 @@ def test_a_clause_that_loops_at_some_walls_alone_is_named_when_a_house_meets_one
     )
     (folder / "sizes.pl").write_text(text.replace(old, new))
     with pytest.raises(
-        GrammarError, match=r"sizes\.pl:\d+:1: piece_size\(desk, L, D, Wall\) recurs without end: endless/0"
+        GrammarError, match=r"sizes\.pl:\d+:1: piece_size\(desk, L, D, Wall\) never ends: endless/0"
     ):
         next(generate(rooms=3, types={"kitchen": 1}, grammar=folder))
 

@@ -84,7 +84,7 @@ function misspeltLine(all) {
   for (const [name, places] of uses) {
     const others = [...uses.keys()].filter((each) => each !== name);
     const near = name === "outline" || places.length !== 1 ? "" : closest(name, others);
-    if (near) return { ...places[0], why: `${name} is a line that stands nowhere else: did you mean ${near}?` };
+    if (near) return { ...places[0], why: `${name} is a line that occurs nowhere else: did you mean ${near}?` };
   }
   return null;
 }

@@ -9,7 +9,7 @@ MISTAKES = (
         old="",
         new="same_size(consultng).",
         at="consultng",
-        says="consultng stands nowhere else: did you mean consulting?",
+        says="consultng occurs nowhere else: did you mean consulting?",
         grammar="clinic",
     ),
     Mistake(
@@ -44,7 +44,7 @@ MISTAKES = (
         old="",
         new="part(storage,livng).",
         at="livng",
-        says="livng stands nowhere else: did you mean living?",
+        says="livng occurs nowhere else: did you mean living?",
         grammar="home",
     ),
     Mistake(
@@ -60,7 +60,7 @@ MISTAKES = (
         "rooms.lp",
         old="",
         new="part(kitchen,dining).  part(dining,living).",
-        says="part(kitchen,dining): a room is no part of itself, nor of another part",
+        says="part(kitchen,dining): a room cannot be a part of itself or of another part",
         grammar="home",
     ),
     # - words
@@ -99,7 +99,7 @@ MISTAKES = (
         old="basic(bedroom; bathroom;",
         new="basic(bedroom; bathrom;",
         at="bathrom",
-        says="bathrom stands nowhere else: did you mean bathroom?",
+        says="bathrom occurs nowhere else: did you mean bathroom?",
     ),
     Mistake(
         "a misspelt piece, twice in a rule",
@@ -115,7 +115,7 @@ MISTAKES = (
         old="",
         new=":- room(0,'hall').",
         at="'hall'",
-        says="'hall' stands nowhere else: did you mean hall?",
+        says="'hall' occurs nowhere else: did you mean hall?",
     ),
     Mistake(
         "a type that is a string",
@@ -138,7 +138,7 @@ MISTAKES = (
         old="",
         new="wet(kitchen;bathrom). :- room(R,T), wet(T), side(R,south).",
         at="bathrom",
-        says="bathrom stands nowhere else: did you mean bathroom?",
+        says="bathrom occurs nowhere else: did you mean bathroom?",
     ),
     Mistake(
         "the number of rooms as a predicate",
@@ -169,7 +169,7 @@ MISTAKES = (
         old="",
         new=":- room(R,hall), side(r,north).",
         at="r,north",
-        says="r stands nowhere else",
+        says="r occurs nowhere else",
     ),
     Mistake(
         "a constant without use",
@@ -191,21 +191,21 @@ MISTAKES = (
         "furniture.lp",
         old="",
         new="may(bedroom,lamp,0,1).",
-        says="may(bedroom,lamp,0,1): the piece stands nowhere: see stands/2",
+        says="may(bedroom,lamp,0,1): no place is stated for this piece: see stands/2",
     ),
     Mistake(
         "a misspelt place",
         "furniture.lp",
         old="stands(wardrobe, (front; left; back; right)).",
         new="stands(wardrobe, (front; left; bakc; right)).",
-        says="no such place: front, left, back, right or middle",
+        says="no such place: choose front, left, back, right or middle",
     ),
     Mistake(
         "a place where the piece does not stand",
         "furniture.lp",
         old="",
         new="turns(desk,middle).",
-        says="these pieces do not stand there: see stands/2",
+        says="this piece may not stand there: see stands/2",
     ),
     Mistake(
         "a companion at the head that is not beside the piece",
@@ -219,14 +219,14 @@ MISTAKES = (
         "furniture.lp",
         old="",
         new="rows(hall,10).",
-        says="there are 1 to 9 rows, a whole number",
+        says="the number of rows must be a whole number from 1 to 9",
     ),
     Mistake(
         "rows of a room that there is not",
         "furniture.lp",
         old="",
         new="rows(hal,2).",
-        says="hal stands nowhere else: did you mean hall?",
+        says="hal occurs nowhere else: did you mean hall?",
         at="hal,",
     ),
     Mistake(
@@ -234,7 +234,7 @@ MISTAKES = (
         "furniture.lp",
         old="",
         new="beside(desk,chair,2,0).",
-        says="the lesser first, up to 2 beside a piece",
+        says="the smaller first, up to 2 beside a piece",
     ),
     Mistake(
         "too many companions",
@@ -270,28 +270,28 @@ MISTAKES = (
         "furniture.lp",
         old="",
         new="weight(hall,0).",
-        says="weight(hall,0): a weight is a whole number from 1 on",
+        says="weight(hall,0): the weight must be a whole number from 1 to 1000000",
     ),
     Mistake(
         "an option without weight",
         "rooms.lp",
         old="",
         new="option(colour,red,0).",
-        says="option(colour,red,0): a weight is a whole number from 1 on",
+        says="option(colour,red,0): the weight must be a whole number from 1 to 1000000",
     ),
     Mistake(
         "words for counts",
         "furniture.lp",
         old="",
         new="may(hall,wardrobe,one,two).",
-        says="may(hall,wardrobe,one,two): counts are whole numbers, the lesser first, up to 99",
+        says="may(hall,wardrobe,one,two): give two whole numbers, the smaller first, up to 99",
     ),
     Mistake(
         "a type without furniture",
         "furniture.lp",
         old="",
         new="type(attic).",
-        says="type(attic): it has no furniture: see may/4, empty/1",
+        says="type(attic): this type has no furniture: see may/4, empty/1",
     ),
     # - heads of the core
     Mistake(
@@ -736,7 +736,7 @@ MISTAKES = (
     ),
     # - rules without end or effect
     Mistake(
-        "a rule that recurs without end",
+        "a rule that never ends",
         "rooms.lp",
         old="",
         new="n(1). n(X+1) :- n(X). :- n(X), room(X,hall).",
@@ -744,7 +744,7 @@ MISTAKES = (
         says="has more than 50,000 instances: does it recur without end? n(X+1) :- n(X).",
     ),
     Mistake(
-        "a furniture rule that recurs without end",
+        "a furniture rule that never ends",
         "arrangement.lp",
         old="",
         new="n(1). n(f(X)) :- n(X). :- n(K), on(bed,K,_,_).",

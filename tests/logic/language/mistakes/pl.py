@@ -112,56 +112,59 @@ MISTAKES = (
     bounds(
         "a decimal comma",
         "W >= 2.4, W =< 4,6, D >= 2.4, D =< 3.7",
-        "4,6 is two terms: write 4.6",
+        "4,6 is read as two terms: write 4.6",
         at="4,6",
     ),
     bounds(
-        "a decimal comma in a factor", "W >= 0,5*D, W =< 3.7, D = 3", "0,5 is two terms: write 0.5", at="0,5"
+        "a decimal comma in a factor",
+        "W >= 0,5*D, W =< 3.7, D = 3",
+        "0,5 is read as two terms: write 0.5",
+        at="0,5",
     ),
-    bounds("a variable alone", "W, W =< 3.7, D = 3", "W is a variable alone: state a bound", at="W, W"),
-    bounds("=> for >=", "W => 2.4, W =< 3.7, D = 3", "=> is no constraint: write >=", at="=>"),
-    bounds("<= for =<", "W >= 2.4, W <= 3.7, D = 3", "<= is no constraint: write =<", at="<="),
-    bounds("≤ for =<", "W >= 2.4, W ≤ 3.7, D = 3", "≤ is no constraint: write =<", at="≤"),
-    bounds("== for =", "W >= 2.4, W =< 3.7, D == 3", "== is no constraint: write =", at="=="),
+    bounds("a variable alone", "W, W =< 3.7, D = 3", "W is only a variable: state a bound", at="W, W"),
+    bounds("=> for >=", "W => 2.4, W =< 3.7, D = 3", "=> is not a constraint: write >=", at="=>"),
+    bounds("<= for =<", "W >= 2.4, W <= 3.7, D = 3", "<= is not a constraint: write =<", at="<="),
+    bounds("≤ for =<", "W >= 2.4, W ≤ 3.7, D = 3", "≤ is not a constraint: write =<", at="≤"),
+    bounds("== for =", "W >= 2.4, W =< 3.7, D == 3", "== is not a constraint: write =", at="=="),
     bounds(
-        "and for a comma", "W >= 2.4 and W =< 3.7, D = 3", "and is no constraint: write a comma", at="and"
+        "and for a comma", "W >= 2.4 and W =< 3.7, D = 3", "and is not a constraint: write a comma", at="and"
     ),
     bounds("an excluded size", "W >= 2.4, W =< 3.7, W =\\= 3, D = 3", "a size has one range", at="=\\="),
     bounds("text for a number", 'W >= "2.4", W =< 3.7, D = 3', "write 2.4 without quotes", at='"2.4"'),
     bounds(
         "a word for a number",
         "W >= wide, W =< 3.7, D = 3",
-        "wide is a name and no number: a variable begins in upper case",
+        "wide is a name, not a number: a variable begins in upper case",
         at="wide",
     ),
     bounds(
         "a variable in lower case",
         "W >= 2.4, W =< 3.7, D = 3, w >= D",
-        "w is a name and no number: did you mean the variable W?",
+        "w is a name, not a number: did you mean the variable W?",
         at="w >=",
     ),
     bounds(
         "a function that CLP(R) does not know",
         "W >= 2.4, W =< sqrt(D), D = 3",
-        "sqrt(D) is no arithmetic: CLP(R) has numbers, variables, +, -, * and /",
+        "sqrt(D) is not arithmetic: CLP(R) accepts numbers, variables, +, -, * and /",
         at="sqrt",
     ),
     bounds(
         "a product of sides",
         "W >= 2.4, W =< 3.7, D >= 2.4, D =< 3.7, W*D =< 12",
-        "W*D =< 12 is nonlinear, and CLP(R) decides linear constraints alone: bound a side by a number",
+        "W*D =< 12 is nonlinear, but CLP(R) decides only linear constraints: bound a side by a number",
         at="W*D",
     ),
     bounds(
         "a quotient of sides",
         "W >= 2.4, W =< 3.7, D >= 2.4, D =< 3.7, W/D >= 1.2",
-        "W/D >= 1.2 is nonlinear, and CLP(R) decides linear constraints alone: multiply by the divisor",
+        "W/D >= 1.2 is nonlinear, but CLP(R) decides only linear constraints: multiply by the divisor",
         at="W/D",
     ),
     bounds(
         "a power",
         "W >= 2.4, W =< 3.7, D = 3, W^2 =< 12",
-        "W^2 =< 12 is nonlinear, and CLP(R) decides linear constraints alone: bound the size itself",
+        "W^2 =< 12 is nonlinear, but CLP(R) decides only linear constraints: bound the size itself",
         at="W^2",
     ),
     bounds("a sine", "W >= 2.4, W =< 3.7, D =< sin(W), D >= 0.1", "D =< sin(W) is nonlinear", at="D =<"),
@@ -185,12 +188,12 @@ MISTAKES = (
     bounds(
         "a wall in the size of a room",
         "W >= 0.7*Wall, W =< Wall, D >= 2.4, D =< 3.7",
-        "W has no upper bound (none by Wall, which is not in the head)",
+        "W has no upper bound (Wall gives none, because it is not in the head)",
     ),
     bounds(
         "a wall that stands once in the size of a room",
         "W >= 0.7*Wall, W =< 3.7, D >= 2.4, D =< 3.7",
-        "a room has no wall, only piece_size/4 does",
+        "only piece_size/4 has a Wall, not room_size/3",
         at="Wall",
     ),
     desk(
@@ -198,26 +201,28 @@ MISTAKES = (
         new="piece_size(desk, L, D, Wall) :- { L >= 0.7*Wall, D >= 0.5, D =< 0.65 }.",
         says="piece_size(desk, L, D, Wall): L has no upper bound",
     ),
-    bounds("a size below zero", "W >= -2.4, W =< 3.7, D = 3", "W can be -2.4 m, and a size is more than 0"),
-    bounds("a size of zero", "W >= 0, W =< 3.7, D = 3", "W can be 0.0 m, and a size is more than 0"),
+    bounds(
+        "a size below zero", "W >= -2.4, W =< 3.7, D = 3", "W can be -2.4 m, but a size must be more than 0"
+    ),
+    bounds("a size of zero", "W >= 0, W =< 3.7, D = 3", "W can be 0.0 m, but a size must be more than 0"),
     bathroom(
         "a side without bounds",
         new="room_size(bathroom, W, D) :- { W >= 2.4, W =< 3.7 }.",
-        says="D stands nowhere else in its clause, so it has no bounds: state D >= ... and D =< ...",
+        says="D occurs nowhere else in its clause, so it has no bounds: state D >= ... and D =< ...",
         at="D)",
     ),
     bathroom(
         "a misspelt variable",
         new="room_size(bathroom, Width, D) :- { Width >= 2.4, Widht =< 3.7, D = 3 }.",
-        says="Widht stands nowhere else in its clause: did you mean Width?",
+        says="Widht occurs nowhere else in its clause: did you mean Width?",
         at="Widht",
     ),
-    bounds("a variable without use", "W >= 2.4, W =< 3.7, D = 3, X >= 1", "X stands nowhere else", at="X >="),
+    bounds("a variable without use", "W >= 2.4, W =< 3.7, D = 3, X >= 1", "X occurs nowhere else", at="X >="),
     # - clauses
     bathroom(
         "a second clause",
         new=f"{BATHROOM} room_size(bathroom, 3.0, 3.0).",
-        says="room_size(bathroom, 3.0, 3.0) is a second clause: the first stands in line 14. State one",
+        says="room_size(bathroom, 3.0, 3.0) is a second clause: the first is in line 14. State one",
         at="room_size(bathroom, 3.0",
     ),
     bathroom(
@@ -228,7 +233,7 @@ MISTAKES = (
     bathroom(
         "a clause for all types beside others",
         new="room_size(_, W, D) :- { W >= 2.4, W =< 3.7, D = W }.",
-        says="room_size(_, W, D) is for every type, and some have a clause of their own",
+        says="room_size(_, W, D) applies to every type, but some types have their own clause",
     ),
     bathroom(
         "a size of no type",
@@ -283,7 +288,7 @@ MISTAKES = (
     bathroom(
         "a decimal comma in a size",
         new="room_size(bathroom, 2,4, 3).",
-        says="nothing uses room_size/4: 2,4 is two terms: write 2.4",
+        says="nothing uses room_size/4: 2,4 is read as two terms: write 2.4",
     ),
     bathroom(
         "a predicate that there is not",
@@ -294,13 +299,13 @@ MISTAKES = (
     bathroom(
         "bounds without braces",
         new="room_size(bathroom, W, D) :- W >= 2.4, W =< 3.7, D = 3.",
-        says="W >= 2.4 is computed, and a variable has no value yet: constraints stand in braces",
+        says="W >= 2.4 is computed, but a variable has no value yet: write constraints in braces",
         at="W >= 2.4",
     ),
     bathroom(
         "a word in arithmetic",
         new="room_size(bathroom, W, D) :- { W >= 2.4, W =< 3.7 }, D is 2*wide.",
-        says="D is 2*wide: wide is a name and no number",
+        says="D is 2*wide: wide is a name, not a number",
         at="D is",
     ),
     bathroom(
@@ -312,43 +317,45 @@ MISTAKES = (
     bathroom(
         "a clause that calls itself",
         new="room_size(bathroom, W, D) :- room_size(bathroom, D, W).",
-        says="room_size(bathroom, W, D) recurs without end: room_size/3 calls itself in line 14",
+        says="room_size(bathroom, W, D) never ends: room_size/3 calls itself in line 14",
     ),
     bed(
         "a predicate that calls itself, with bounds that never end",
         new="piece_size(bed, L, D, _) :- side(L), side(D).\nside(X) :- { X >= 1 }, side(X).",
-        says="piece_size(bed, L, D, _) recurs without end: side/1 calls itself in line 23",
+        says="piece_size(bed, L, D, _) never ends: side/1 calls itself in line 23",
     ),
     bathroom(
         "code in a clause",
         new="room_size(bathroom, 3.0, 3.0) :- shell(ls).",
-        says="shell/1 runs code: a clause holds CLP(R) constraints, arithmetic and comparison",
+        says="shell/1 runs code: a clause may contain only CLP(R) constraints, arithmetic and comparison",
         at="shell",
     ),
     bathroom(
         "an arrow for a neck",
         new="room_size(bathroom, W, D) => { W >= 2.4, W =< 3.7, D = W }.",
-        says="a clause has :- between its head and its body, not =>",
+        says="write :- between the head and the body of a clause, not =>",
     ),
     # - named lengths
     passage(
         "a length with a decimal comma",
         new="passage(0,42).",
-        says="nothing uses passage/2: 0,42 is two terms: write 0.42",
+        says="nothing uses passage/2: 0,42 is read as two terms: write 0.42",
     ),
     passage(
-        "a negative length", new="passage(-0.42).", says="passage(-0.42) is not a number of metres, 0 or more"
+        "a negative length",
+        new="passage(-0.42).",
+        says="passage(-0.42) must be a number of metres, 0 or more",
     ),
-    passage("a word for a length", new="passage(wide).", says="passage(wide) is not a number of metres"),
+    passage("a word for a length", new="passage(wide).", says="passage(wide) must be a number of metres"),
     passage(
         "a range for a length",
         new="passage(P) :- { P >= 0.4, P =< 0.5 }.",
-        says="passage(P) is not a number of metres, 0 or more",
+        says="passage(P) must be a number of metres, 0 or more",
     ),
     passage(
         "a length that is stated twice",
         new="passage(0.42).\npassage(0.5).",
-        says="passage(0.5) is a second clause: the first stands in line 6. State one",
+        says="passage(0.5) is a second clause: the first is in line 6. State one",
         at="passage(0.5)",
     ),
     Mistake(
@@ -444,7 +451,7 @@ door_width(0.762).          % the paper's 2.5 feet
     bathroom(
         "bounds in square brackets",
         new="room_size(bathroom, W, D) :- [W >= 2.4, W =< 3.7, D = 3].",
-        says="a list is no goal: constraints stand in braces",
+        says="a list is not a goal: write constraints in braces",
         at="[W",
     ),
     bathroom(
@@ -487,7 +494,11 @@ door_width(0.762).          % the paper's 2.5 feet
         says="lengths are real numbers: write library(clpr) for library(clpfd)",
     ),
     passage("an expansion", new="term_expansion(a, b).", says="nothing uses term_expansion/2"),
-    passage("a grammar rule of Prolog", new="passage --> [0.42].", says="a grammar has no DCG rules"),
+    passage(
+        "a grammar rule of Prolog",
+        new="passage --> [0.42].",
+        says="a grammar may not contain DCG rules: write the clause with :-",
+    ),
     passage(
         "a misspelt length",
         new=f"{PASSAGE}\ndoor_widht(0.9).",
@@ -531,40 +542,40 @@ door_width(0.762).          % the paper's 2.5 feet
     kitchen(
         "an area above the size",
         "room_area(kitchen,30.0,40.0).",
-        "30.0 m2 at least, and room_size(kitchen, W, D) "
-        "in line [sizes.pl: room_size(kitchen] allows 17.64 m2 at most",
+        "30.0 m2 at least, but room_size(kitchen, W, D) "
+        "in line [sizes.pl: room_size(kitchen] allows at most 17.64 m2",
     ),
     kitchen(
         "an area below the size",
         "room_area(kitchen, 0.5, 3.0).",
-        "3.0 m2 at most, and room_size(kitchen, W, D) "
-        "in line [sizes.pl: room_size(kitchen] allows 4.0 m2 at least",
+        "3.0 m2 at most, but room_size(kitchen, W, D) "
+        "in line [sizes.pl: room_size(kitchen] allows at least 4.0 m2",
     ),
     kitchen(
         "an area of an oblong size",
         "room_area(kitchen, 6.0, 16.0).\nroom_area(corridor, 15.0, 20.0).",
-        "room_size(corridor, W, D) in line [sizes.pl: room_size(corridor] allows 14.4 m2 at most",
+        "room_size(corridor, W, D) in line [sizes.pl: room_size(corridor] allows at most 14.4 m2",
         at="room_area(corridor",
     ),
     kitchen(
         "a least area above the greatest",
         "room_area(kitchen,12.0,10.0).",
-        "is not a least and a greatest number of square metres",
+        "must give the least and the greatest area in square metres",
     ),
     kitchen(
         "an area below zero",
         "room_area(kitchen,-1.0,10.0).",
-        "is not a least and a greatest number of square metres",
+        "must give the least and the greatest area in square metres",
     ),
     kitchen(
         "an area without end",
         "room_area(kitchen,1.0,inf).",
-        "is not a least and a greatest number of square metres",
+        "must give the least and the greatest area in square metres",
     ),
     kitchen(
         "an area by bounds",
         "room_area(kitchen,L,M) :- { L >= 6, M =< 16 }.",
-        "is not a least and a greatest number of square metres",
+        "must give the least and the greatest area in square metres",
     ),
     appended(
         "an area of a misspelt type",
@@ -585,13 +596,13 @@ door_width(0.762).          % the paper's 2.5 feet
     appended(
         "a second area",
         "room_area(kitchen,3.0,5.0).",
-        "room_area(kitchen,3.0,5.0) is a second clause: the first stands "
+        "room_area(kitchen,3.0,5.0) is a second clause: the first is "
         "in line [sizes.pl: room_area(kitchen]. State one",
     ),
     appended(
         "an area for all types beside others",
         "room_area(_,3.0,5.0).",
-        "room_area(_,3.0,5.0) is for every type, and some have a clause of their own",
+        "room_area(_,3.0,5.0) applies to every type, but some types have their own clause",
     ),
     appended(
         "a window of a misspelt type",
@@ -606,7 +617,7 @@ door_width(0.762).          % the paper's 2.5 feet
     appended(
         "a free square that is no length",
         "turning(bathroom, large).",
-        "turning(bathroom, large) is not a number of metres, 0 or more",
+        "turning(bathroom, large) must be a number of metres, 0 or more",
     ),
     appended(
         "a free square that is larger than its rooms",
@@ -626,7 +637,7 @@ door_width(0.762).          % the paper's 2.5 feet
     appended(
         "the area of a room with parts that has none",
         "whole_area(living, 20.0, 30.0).",
-        "whole_area(living, 20.0, 30.0): no room is a part of a room of type living: say which",
+        "whole_area(living, 20.0, 30.0): no room is a part of a room of type living: state which",
     ),
     window(
         "a window without size",
@@ -644,13 +655,13 @@ door_width(0.762).          % the paper's 2.5 feet
         "a product in the size of a room where areas are stated",
         "room_size(kitchen,  W, D) :- { W >= 2.0, W =< 4.2, D >= 2.0, D =< 4.2 }.",
         "room_size(kitchen,  W, D) :- { W >= 2.0, W =< 4.2, D >= 2.0, D =< 4.2, W*D =< 9 }.",
-        "decides linear constraints alone: state the area by room_area(Type,Least,Most)",
+        "decides only linear constraints: state the area by room_area(Type,Least,Most)",
         at="W*D",
     ),
     window(
         "a window of a product",
         "L >= 0.6, L =< 2.4, L*Wall =< 4",
-        "L*Wall =< 4 is nonlinear, and CLP(R) decides linear constraints alone",
+        "L*Wall =< 4 is nonlinear, but CLP(R) decides only linear constraints",
         at="L*Wall",
     ),
     house(
@@ -661,24 +672,24 @@ door_width(0.762).          % the paper's 2.5 feet
     house(
         "a house smaller than each room",
         "W =< 0.7, D =< 8",
-        "house_size(W, D): no room fits in it, not even room_size(wc, W, D) "
+        "house_size(W, D): no room fits in a house of this size, not even room_size(wc, W, D) "
         "in line [sizes.pl: room_size(wc] of sizes.pl",
     ),
     house(
         "an area of the house by a product",
         "W*D =< 60",
-        "decides linear constraints alone: state the area by house_area(Least,Most)",
+        "decides only linear constraints: state the area by house_area(Least,Most)",
         at="W*D",
     ),
     appended(
         "an area of the house that is less than any room's",
         "house_area(0.5, 1.0).",
-        "house_area(0.5, 1.0): 1.0 m2 at most, and no room is smaller than room_area(",
+        "house_area(0.5, 1.0): 1.0 m2 at most, but no room is smaller than room_area(",
     ),
     house(
         "sides of the house that do not allow its area",
         "W =< 7, D =< 7 }.\nhouse_area(L, M) :- { L = 50.0, M = 60.0",
-        "50.0 m2 at least, and house_size(W, D) in line [lengths.pl: house_size] allows 49.0 m2 at most",
+        "50.0 m2 at least, but house_size(W, D) in line [lengths.pl: house_size] allows at most 49.0 m2",
         at="house_area",
     ),
     *(
@@ -693,56 +704,56 @@ door_width(0.762).          % the paper's 2.5 feet
             (
                 "an area",
                 "5.0, 11.0",
-                ": 11.0 m2 at most, and neither the main room nor another is smaller than room_size(bathroom",
+                ": 11.0 m2 at most, but neither the main room nor another is smaller than room_size(bathroom",
             ),
             (
                 "an area that no number of rooms has",
                 "9.0e5, 9.1e5",
-                ": 900000.0 m2 at least, and a house of 128 rooms, the most",
+                ": 900000.0 m2 at least, but a house of 128 rooms, the largest",
             ),
             (
                 "a least area above the greatest",
                 "60.0, 50.0",
-                " is not a least and a greatest number of square metres",
+                " must give the least and the greatest area in square metres",
             ),
         )
     ),
     appended(
         "an area of the house that no number of rooms has",
         "house_area(4000.0, 4100.0).",
-        "house_area(4000.0, 4100.0): 4000.0 m2 at least, and a house of 128 rooms, the most there are, has",
+        "house_area(4000.0, 4100.0): 4000.0 m2 at least, but a house of 128 rooms, the largest number, has",
     ),
     Mistake(
         "an area of a house of units",
         "sizes.pl",
         old="",
         new="house_area(300.0, 400.0).",
-        says="house_area(300.0, 400.0): neither a house of units nor a unit has an area that is stated",
+        says="house_area(300.0, 400.0): houses of units have no stated area",
         grammar="apartments",
     ),
     appended(
         "a least area of the house above the greatest",
         "house_area(60.0, 50.0).",
-        "is not a least and a greatest number of square metres",
+        "must give the least and the greatest area in square metres",
     ),
     plan(
         "a second area of the house",
         "",
         "house_area(50.0, 60.0).\nhouse_area(50.0, 70.0).",
-        "is a second clause: the first stands in line",
+        "is a second clause: the first is in line",
         at="house_area(50.0, 70.0)",
     ),
     appended("an area of the house alone", "house_area(50.0).", "house_area/1"),
     appended(
         "a second size of the house",
         "house_size(W, D) :- { W =< 20, D =< 20 }.",
-        "house_size(W, D) is a second clause: the first stands "
+        "house_size(W, D) is a second clause: the first is "
         "in line [lengths.pl: house_size] of lengths.pl. State one",
     ),
     appended(
         "a depth of units where there are none",
         "unit_depth(D) :- { D >= 7.0, D =< 9.0 }.",
-        "unit_depth(D): the houses of this topology have no units",
+        "unit_depth(D): houses of this topology have no units",
     ),
     Mistake(
         "a depth of units that is a square",
@@ -765,15 +776,15 @@ door_width(0.762).          % the paper's 2.5 feet
         "a door wider than walls",
         "door_width(0.8).",
         "door_width(3.9).",
-        "door_margin(0.1) in line [lengths.pl: door_margin], and room_size(wc, W, D) "
-        "in line [sizes.pl: room_size(wc] of sizes.pl allows 2.0 m at most",
+        "door_margin(0.1) in line [lengths.pl: door_margin], but room_size(wc, W, D) "
+        "in line [sizes.pl: room_size(wc] of sizes.pl allows at most 2.0 m",
         file="lengths.pl",
     ),
     plan(
         "a door of no width",
         "door_width(0.8).",
         "door_width(0).",
-        "door_width(0) is not a number of metres more than 0",
+        "door_width(0) must be a number of metres more than 0",
         file="lengths.pl",
     ),
     plan(
@@ -781,20 +792,20 @@ door_width(0.762).          % the paper's 2.5 feet
         "room_size(wc,       W, D) :- { W >= 0.9, W =< 2.0, D >= 0.9, D =< 2.0 }.",
         "room_size(wc, W, D) :- { W = 0.6, D = 0.6 }.",
         "of lengths.pl with door_margin(0.1) in line [lengths.pl: door_margin] of lengths.pl, "
-        "and this allows 0.6 m at most",
+        "but this allows at most 0.6 m",
     ),
     plan(
         "a margin below zero",
         "door_margin(0.1).",
         "door_margin(-0.1).",
-        "door_margin(-0.1) is not a number of metres, 0 or more",
+        "door_margin(-0.1) must be a number of metres, 0 or more",
         file="lengths.pl",
     ),
     plan(
         "a word for a margin",
         "door_margin(0.1).",
         "door_margin(wide).",
-        "door_margin(wide) is not a number of metres, 0 or more",
+        "door_margin(wide) must be a number of metres, 0 or more",
         file="lengths.pl",
     ),
     plan(
@@ -809,7 +820,7 @@ door_width(0.762).          % the paper's 2.5 feet
         "a margin as long as the walls",
         "window_margin(0.65).",
         "window_margin(20.0).",
-        "no window has it on both sides in room_size(living, W, D) "
+        "no window fits with this margin on both sides in room_size(living, W, D) "
         "in line [sizes.pl: room_size(living] of sizes.pl",
         file="lengths.pl",
     ),
@@ -825,7 +836,7 @@ door_width(0.762).          % the paper's 2.5 feet
         "sizes.pl",
         old="door_width(0.762).",
         new="door_width(5.0).",
-        says="a door takes 5.0 m of the width, and room_size(bathroom, W, D) in line 14 allows 3.7 m at most",
+        says="a door needs 5.0 m of the width, but room_size(bathroom, W, D) in line 14 allows at most 3.7 m",
     ),
     passage(
         "a number that no machine holds", new="passage(1.0e400).", says="no length is so large", at="1.0e400"
