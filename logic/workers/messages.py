@@ -28,9 +28,9 @@ class Open(Question, frozen=True, tag=True):
 
     Answer: ``Loaded``, or ``Judged`` for a wrong grammar if ``errors`` is True.
 
-    Without ``remarks`` only errors are searched for. With ``trial`` the process first tries to load the
-    grammar step by step, also for houses with these numbers of rooms. Each step has ``step`` seconds of
-    processor time.
+    Without ``remarks``, and in a shipped grammar without ``errors``, clingo's remarks are no errors. With
+    ``trial`` the process first tries to load the grammar step by step, also for houses with these numbers of
+    rooms. Each step has ``step`` seconds of processor time.
     """
 
     grammar: str

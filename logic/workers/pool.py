@@ -8,7 +8,6 @@ from collections.abc import Generator, Iterator
 from contextlib import closing, contextmanager
 
 from vitruvius.logic.errors import GrammarWarning, LimitReached, RequestError, Unsatisfiable, VitruviusError
-from vitruvius.logic.grammar import SHIPPED
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.promises import Promises
 from vitruvius.logic.request.house_request import HouseRequest
@@ -116,7 +115,7 @@ def outcomes(
     Raises the other errors of ``generate``. The indices are assigned to the processes in turn, so that
     answers arrive in the order of the questions.
     """
-    warn = request.rules.hash not in _warned and request.rules.directory.parent != SHIPPED
+    warn = request.rules.hash not in _warned and not request.rules.is_shipped
     _warned.add(request.rules.hash)
     said = set[str]()
 

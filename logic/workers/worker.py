@@ -235,7 +235,8 @@ class Worker:
                 yield Trying(to_record(error))
             yield Trying(None)
         confinement.allow_seconds(question.seconds)
-        loaded = LoadedGrammar(grammar, question.cell, remarks=question.remarks)
+        remarks = question.remarks and (question.errors or not grammar.is_shipped)
+        loaded = LoadedGrammar(grammar, question.cell, remarks)
         if question.errors and (wrong := errors(grammar, loaded)):
             yield Judged(wrong)
             return
