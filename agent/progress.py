@@ -5,9 +5,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import perf_counter
 
-from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
-
-from vitruvius.logic.bars import progress_bar
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
 Report = Callable[[float, str], None]
 """Function that is called with the fraction done, 0 to 1, and a few words."""
@@ -18,16 +17,18 @@ def progress(title: str, every: float | None = None) -> Iterator[Report]:
     """Show the work under this title until the block ends.
 
     In a pipe, a plain line follows at each interval of ``every`` seconds, and at the end; with None, no
-    lines.
+    lines. Rich takes a pipe for a terminal where ``FORCE_COLOR`` is set, as in notebooks and on CI servers.
     """
-    bar = progress_bar(
+    bar = Progress(
         TextColumn("{task.description}"),
         BarColumn(bar_width=16),
         TaskProgressColumn(),
         TimeRemainingColumn(),
         TextColumn("left"),
         TextColumn("{task.fields[words]}"),
-        transient=False,
+        console=Console(stderr=True),
+        disable=not sys.stderr.isatty(),
+        redirect_stdout=sys.stdout.isatty(),  # rich must not redirect a file to the bar
     )
     if not bar.disable:
         with bar:

@@ -111,7 +111,7 @@ def __dir__() -> list[str]:
 
 
 def _plan(house: House, width: int) -> str:
-    from vitruvius.logic.drawing.draw import plan_svg  # Imported here, since it imports matplotlib.
+    from vitruvius.logic.drawing.draw import plan_svg  # Imported here, since it imports Pillow.
 
     return plan_svg(house, width)
 

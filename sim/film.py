@@ -19,6 +19,7 @@ from vitruvius.logic.drawing.frame import Frame, drawn_extent
 from vitruvius.logic.drawing.labels import background
 from vitruvius.logic.drawing.palettes import Inks
 from vitruvius.logic.files.writing import write_whole
+from vitruvius.logic.installation import required_by
 from vitruvius.logic.spelling import numbered
 from vitruvius.sim.config import Config
 
@@ -200,7 +201,8 @@ def require_film(path: str | Path) -> None:
         example = Path(path).with_suffix(".gif") if Path(path).name else Path(path, "film.gif")
         raise ValueError(f"{path}: a film must be .gif or .mp4: use {example}")
     if Path(path).suffix.lower() == FILMS[1]:
-        import_module("imageio_ffmpeg")
+        with required_by("a film as MP4"):
+            import_module("imageio_ffmpeg")
 
 
 def film(frames: Iterable[Image.Image | np.ndarray], path: str | Path, fps: int = 25) -> Path:

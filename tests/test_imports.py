@@ -26,6 +26,7 @@ FOLDERS = {
     "logic": (
         *(
             "encoding",
+            "installation",
             "opener",
             "spelling",
             "mismatch",
@@ -208,6 +209,7 @@ def test_the_simulator_takes_houses_of_logic_and_draws_by_its_plans() -> None:
     others = {
         "vitruvius.logic",
         "vitruvius.logic.errors",
+        "vitruvius.logic.installation",
         "vitruvius.logic.files.writing",
         "vitruvius.logic.looks.looks",
         "vitruvius.logic.spelling",

@@ -91,21 +91,6 @@ GROUPS = {
 }
 """Titles of the groups in help, by the first command of each."""
 
-EXTRAS = {
-    "bench": ("cpuinfo", "pytest", "pytest_benchmark", "scipy"),
-    "sim": ("gymnasium", "taichi"),
-    "quadrants": ("quadrants",),
-    "agent": ("safetensors", "scipy", "tensorboard", "tomli_w", "torch"),
-    "export": ("pxr", "trimesh"),
-    "play": ("pygame",),
-    "web": ("starlette", "uvicorn", "watchfiles"),
-    "film": ("imageio_ffmpeg",),
-    "ifc": ("ifcopenshell",),
-    "data": ("pyarrow",),
-    "cluster": ("ray",),
-}
-"""Modules that the base does not install, by the extras of ``pyproject.toml`` that do."""
-
 NO_MEMORY = re.compile(
     r"out of memory|(failed|can't|[Cc]annot) (to )?(allocate|map)|allocation .{0,99}failed"
 )
@@ -229,14 +214,15 @@ def _run(arguments: list[str]) -> int:
         with study_folder(command.out, command.replace):
             return command.run() or 0
     except ModuleNotFoundError as error:
-        study, module = arguments[0] == "bench", (error.name or "").partition(".")[0]
-        extras = [extra for extra, modules in EXTRAS.items() if module in modules]
-        if not extras:
+        from vitruvius.logic.installation import extra_of, install_command
+
+        study, extra = arguments[0] == "bench", extra_of(error.name)
+        if extra is None:
             raise
-        words = " ".join(arguments[: 1 + study])
-        # The extra of the agent includes the simulator.
-        extra = "agent" if not study and extras[0] in {"bench", "sim"} else extras[0]
-        raise MissingProgram(f"vitruvius {words} needs {module}: pip install vitruvius[{extra}]") from error
+        if not study and extra in {"bench", "sim"}:
+            extra = "agent"  # It includes the simulator.
+        words, module = " ".join(arguments[: 1 + study]), (error.name or "").partition(".")[0]
+        raise MissingProgram(f"vitruvius {words} needs {module}: {install_command(extra)}") from error
 
 
 def _quick(arguments: list[str]) -> str | None:

@@ -52,7 +52,7 @@ EXCEPTION = "GCC Runtime Library Exception"
 
 NOTICE = """# Licences of what Vitruvius uses
 
-Vitruvius is under the MIT licence (`LICENSE`). What follows is no part of it: `./run` or pip installs it.
+Vitruvius is under the MIT licence (`LICENSE`). `./run` or pip installs what follows.
 Made from `requirements.lock` and the installed packages, which bring the texts, by
 `./run python -m benchmarks.common.licences > THIRD_PARTY_LICENSES.md`.
 
@@ -60,6 +60,8 @@ Made from `requirements.lock` and the installed packages, which bring the texts,
 
 Read them before you pass these on, for instance in an image with all of it.
 
+- **DejaVu Sans**, the font of plans, in the wheel itself: the licence of Bitstream Vera, in
+  `logic/drawing/fonts/LICENSE`. It may be copied and changed, but a changed font needs another name.
 - **CLP(R) and CLP(Q) of SWI-Prolog**, `library(clpr)` and `library(clpq)`, which the solver processes load:
   the GNU General Public License, version 2 or later, with an exception: "if you link this library with other
   files, compiled with a Free Software compiler, to produce an executable, this library does not by itself

@@ -12,6 +12,7 @@ import msgspec
 from vitruvius.logic.dataset.parquet import MAX_FILE_BYTES, groups
 from vitruvius.logic.dataset.rows import SIDES, Row
 from vitruvius.logic.files.writing import whole_file
+from vitruvius.logic.installation import required_by
 from vitruvius.logic.opener import opened
 
 Files = Literal["parquet", "jsonl"]
@@ -30,7 +31,8 @@ MAX_ROW_BYTES = 1 << 23
 @cache
 def schema() -> Any:
     """Return the columns as a schema of pyarrow."""
-    import pyarrow as pa
+    with required_by("a set in Parquet"):
+        import pyarrow as pa
 
     text, real = pa.string(), pa.float64()
     sides = [pa.field(side, real) for side in SIDES]

@@ -315,10 +315,8 @@ def _around(box: Box, width: float, scale: int) -> Box:
 
 @cache
 def _font(size: int) -> ImageFont.FreeTypeFont:
-    """Return DejaVu Sans from matplotlib's own files, so that drawings are equal on every machine."""
-    import matplotlib
-
-    return ImageFont.truetype(str(Path(matplotlib.get_data_path()) / "fonts/ttf/DejaVuSans.ttf"), size)
+    """Return DejaVu Sans from our own file, so that drawings are equal on every machine."""
+    return ImageFont.truetype(str(Path(__file__).parent / "fonts/DejaVuSans.ttf"), size)
 
 
 def _paint(fill: str, stroke: str, width: float) -> str:

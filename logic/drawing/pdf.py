@@ -1,6 +1,6 @@
 """Drawings as pages of a PDF, with lines and letters, not pixels.
 
-By matplotlib, which has the plans' font.
+By matplotlib, the extra ``pdf``, which also has the plans' font.
 """
 
 from collections.abc import Iterable, Sequence

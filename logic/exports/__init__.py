@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from vitruvius.logic.errors import RequestError
+from vitruvius.logic.installation import required_by
 from vitruvius.logic.spelling import unknown
 
 if TYPE_CHECKING:
@@ -51,7 +52,8 @@ def export(houses: Iterable["House"], out: str | Path, format: str) -> list[Path
     if not houses:
         raise ValueError(f"no house to write to {out}")
     module, endings, _ = FORMATS[format]
-    write: Callable[[House, Path], None] = import_module(f"vitruvius.logic.exports.{module}").write
+    with required_by(format):
+        write: Callable[[House, Path], None] = import_module(f"vitruvius.logic.exports.{module}").write
     digits = len(str(len(houses) - 1))
     paths = []
     for index, house in enumerate(houses):

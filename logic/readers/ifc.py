@@ -15,6 +15,7 @@ import msgspec
 import shapely
 
 from vitruvius.logic.errors import RequestError
+from vitruvius.logic.installation import required_by
 from vitruvius.logic.opener import ZIPPED, archive_of, member_of
 from vitruvius.logic.readers.ifc_solids import Solids, main
 from vitruvius.logic.readers.sketch import Passage, Sketch, Space, polygons, require_plain
@@ -67,8 +68,9 @@ def _unpacked(content: bytes) -> bytes:
 def read_ifc(content: bytes, _: Any, storey: str | None) -> Sketch:
     """Return the spaces of the file as rooms. Raises ``ModuleNotFoundError`` without IfcOpenShell."""
     content = _unpacked(content)
-    if find_spec("ifcopenshell") is None:
-        raise ModuleNotFoundError("IfcOpenShell reads IFC", name="ifcopenshell")
+    with required_by("IFC"):
+        if find_spec("ifcopenshell") is None:
+            raise ModuleNotFoundError(name="ifcopenshell")
     command = [sys.executable, "-P", "-c", f"from {main.__module__} import main; main()"]
     command += [] if storey is None else [storey]
     try:

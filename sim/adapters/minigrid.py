@@ -1,6 +1,6 @@
 """Houses on a grid as environments of MiniGrid (minigrid.farama.org), ``vitruvius:Vitruvius/MiniGrid-v0``.
 
-This module needs MiniGrid: ``pip install vitruvius[minigrid]``. In MiniGrid, walls fill tiles; in our houses,
+This module needs the extra ``minigrid``. In MiniGrid, walls fill tiles; in our houses,
 walls lie on the edges of cells. So a house of C x R cells has 2C + 1 by 2R + 1 tiles. There is a tile for
 each cell, and a tile between two cells for the edge or the corner where they meet. A step on our grid is two
 steps in MiniGrid; distances are otherwise the same.

@@ -6,6 +6,7 @@ from importlib.util import find_spec
 import numpy as np
 from gymnasium.error import DependencyNotInstalled
 
+from vitruvius.logic.installation import install_command
 from vitruvius.sim.film import mosaic
 
 
@@ -18,7 +19,7 @@ class ScreenWindow:
     def __init__(self, fps: float) -> None:
         """Show at most ``fps`` pictures per second. Raises ``DependencyNotInstalled`` without pygame."""
         if find_spec("pygame") is None:
-            raise DependencyNotInstalled("render_mode='human' needs pygame: pip install vitruvius[play]")
+            raise DependencyNotInstalled(f"render_mode='human' needs pygame: {install_command('play')}")
         self._fps, self._shown, self._ended = fps, False, False
 
     def show(self, frames: Sequence[np.ndarray]) -> None:

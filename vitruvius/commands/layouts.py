@@ -3,11 +3,9 @@
 import time
 from typing import Any
 
-from rich.progress import TextColumn
-
-from vitruvius.logic.bars import progress_bar
 from vitruvius.logic.errors import RequestError
 from vitruvius.logic.spelling import numbered
+from vitruvius.logic.terminal import print_line, working
 
 
 def count_layouts(command: Any) -> int:
@@ -24,20 +22,19 @@ def count_layouts(command: Any) -> int:
     request = command.request()
     first = begun = time.monotonic()
     numbers = list[Layouts]()
-    with progress_bar(TextColumn("{task.description}")) as bar:
-        task = bar.add_task("")
+    with working() as show:
 
         def report(name: str, number: int) -> None:
             passed = time.monotonic() - begun
-            bar.update(task, description=f"{name}: {numbered(number, 'layout')} after {passed:.0f} s")
+            show(f"{name}: {numbered(number, 'layout')} after {passed:.0f} s")
 
         for name, number, whole in counted(request, report):
             numbers.append(Layouts(name, number, whole))
             more = "" if whole else f"in {command.seconds:g} s, more than "
             if not command.json:
-                print(f"{name}: {more}{number:,}", flush=True)
+                print_line(f"{name}: {more}{number:,}")
             begun = time.monotonic()
-            bar.update(task, description="")
+            show("")
     if command.json:
         command.answer(request, time.monotonic() - first, counted=numbers)
     return 0 if all(each.exact for each in numbers) else 4

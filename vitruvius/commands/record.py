@@ -51,7 +51,7 @@ class Record:
     """Number of steps of the episode to film."""
 
     out: Path = Path("episode.gif")
-    """Film: a GIF, or an MP4 by its name (pip install vitruvius[film]); or a trace, NAME.trace.json."""
+    """Film: a GIF, or an MP4 by its name (extra film); or a trace, NAME.trace.json."""
 
     replace: bool = False
     """Overwrite a file that has other content."""

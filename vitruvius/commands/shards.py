@@ -6,7 +6,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from vitruvius.logic.bars import counting
 from vitruvius.logic.cluster import Cluster, engine
 from vitruvius.logic.dataset.formats import schema
 from vitruvius.logic.dataset.sets import MAX_SHARDS, Set, Shard, begin
@@ -17,7 +16,7 @@ from vitruvius.logic.files.writing import require_folder
 from vitruvius.logic.request.counts import whole
 from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.spelling import numbered
-from vitruvius.logic.terminal import say
+from vitruvius.logic.terminal import counting, say
 from vitruvius.logic.workers.pool import described
 
 

@@ -23,7 +23,7 @@ import pytest
 from playwright.sync_api import Browser, Page, Route, expect
 
 from tests.browsing import answered_under_the_finger, box, cut_on_paper, findings, line_is_seen, too_wide
-from tests.programs import PATIENCE, finished
+from tests.programs import PATIENCE
 from vitruvius.cli import main
 from vitruvius.logic import generate
 from vitruvius.logic.browser.watch.pool import PROCESSES, Pool, Spares, Stale
@@ -567,13 +567,6 @@ def test_a_port_in_use_is_named(capsys: pytest.CaptureFixture[str]) -> None:
             main(["watch", "--port", str(port)])
     assert end.value.code == 2
     assert f"--port {port}: is in use: choose another" in capsys.readouterr().err
-
-
-def test_without_its_packages_it_names_the_extra() -> None:
-    code = "import sys; sys.modules['starlette'] = None; from vitruvius.cli import main; main(['watch'])"
-    ended = finished([sys.executable, "-c", code])
-    assert ended.returncode == 69
-    assert ended.stderr == "error: vitruvius watch needs starlette: pip install vitruvius[web]\n"
 
 
 def test_a_question_that_nobody_waits_for_gives_its_process_back() -> None:

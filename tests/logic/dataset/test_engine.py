@@ -18,6 +18,7 @@ from tests.logic.dataset.sets import command, content
 from tests.programs import PATIENCE, finished
 from vitruvius.logic import cluster
 from vitruvius.logic.errors import GrammarError, MissingProgram, Reason, Unsatisfiable, to_record
+from vitruvius.logic.installation import install_command
 
 ROOT = Path(__file__).parents[3]
 
@@ -277,7 +278,7 @@ def test_without_ray_it_is_said_how_to_install_it(
 ) -> None:
     monkeypatch.setitem(sys.modules, "ray", None)
     assert command(*ALL, "--out", tmp_path / "set", "--engine", "ray") == 69
-    said = "error: vitruvius generate needs ray: pip install vitruvius[cluster]\n"
+    said = f"error: vitruvius generate needs ray: {install_command('cluster')}\n"
     assert capsys.readouterr().err == said
 
 
