@@ -1,6 +1,9 @@
-"""Optional parts of the installation, the extras of ``pyproject.toml``, and the command that adds one."""
+"""Optional parts of the installation, the extras of ``pyproject.toml``, and commands that add the rest."""
 
 import json
+import os
+import platform
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.metadata import PackageNotFoundError, distribution
@@ -24,6 +27,42 @@ EXTRAS = {
     "minigrid": ("minigrid",),
 }
 """Modules that the base does not install, by the extras that do."""
+
+OLD_UBUNTU = {"bionic", "focal", "jammy"}
+"""Code names of Ubuntu before 24.04, whose SWI-Prolog is too old. Derivatives name them, too."""
+
+INSTALLERS = {"debian": "apt-get install", "fedora": "dnf install", "arch": "pacman -S"}
+"""Commands that install packages of a system, by the name of the system or of its family."""
+
+PROLOG = {"debian": "swi-prolog-nox", "fedora": "pl", "arch": "swi-prolog", "conda": "swi-prolog"}
+X11 = {"debian": "libx11-6", "fedora": "libX11", "arch": "libx11", "conda": "xorg-libx11"}
+"""Names of packages, by system."""
+
+
+def prolog_command() -> str:
+    """Return the command that installs SWI-Prolog on this system, and one that needs no root."""
+    if sys.platform == "darwin":
+        return "brew install swi-prolog"
+    if sys.platform == "win32":
+        return "winget install SWI-Prolog.SWI-Prolog"
+    return linux_command(PROLOG)
+
+
+def linux_command(packages: dict[str, str]) -> str:
+    """Return the command that installs a package on this Linux, and one that needs no root."""
+    try:
+        system = platform.freedesktop_os_release()
+    except OSError:
+        system = {}
+    names = [system.get("ID", ""), *system.get("ID_LIKE", "").split()]
+    commands = [f"{INSTALLERS[name]} {packages[name]}" for name in names if name in INSTALLERS][:1]
+    if packages is PROLOG and system.get("UBUNTU_CODENAME") in OLD_UBUNTU:
+        commands = ["add-apt-repository ppa:swi-prolog/stable", "apt-get update", *commands]
+    elif packages is PROLOG and system.get("VERSION_CODENAME") == "bullseye":  # It has 8.2, and no PPA.
+        commands = []
+    sudo = "" if os.geteuid() == 0 else "sudo "
+    by_root = " && ".join(f"{sudo}{command}" for command in commands)
+    return " or ".join(filter(None, [by_root, f"conda install -c conda-forge {packages['conda']}"]))
 
 
 def extra_of(module: str | None) -> str | None:

@@ -44,7 +44,7 @@ def working() -> Iterator[Callable[[str], object]]:
         yield bar.set_description_str
 
 
-def print_line(line: str) -> None:
+def print_above(line: str) -> None:
     """Print a line on the standard output, above a progress bar."""
     with tqdm.external_write_mode():
         print(line, flush=True)

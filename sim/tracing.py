@@ -16,7 +16,8 @@ from collections.abc import Callable
 from types import CodeType, FunctionType
 from typing import TYPE_CHECKING, Any
 
-from vitruvius.logic.errors import RequestError
+from vitruvius.logic.errors import MissingProgram, RequestError
+from vitruvius.logic.installation import X11, linux_command
 from vitruvius.sim import cache
 
 VARIABLE = "VITRUVIUS_RUNTIME"
@@ -43,7 +44,12 @@ def _named() -> str:
 
 if not TYPE_CHECKING:
     with contextlib.redirect_stdout(io.StringIO()):
-        compiler = importlib.import_module(f"vitruvius.sim.compiler.{_named()}")
+        try:
+            compiler = importlib.import_module(f"vitruvius.sim.compiler.{_named()}")
+        except ImportError as error:
+            if "libX11" not in str(error):
+                raise
+            raise MissingProgram(f"Taichi needs libX11: {linux_command(X11)}") from error
     ti, core, impl = compiler.ti, compiler.core, compiler.impl
 
 __all__ = ["KEEPS_KERNELS", "compiler", "core", "impl", "kernel", "ti"]

@@ -9,13 +9,11 @@ import sys
 import zipfile
 from importlib.metadata import distributions
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
 from benchmarks.common.installed import packages
 from tests.programs import finished
-from vitruvius.logic import installation
 
 pytestmark = pytest.mark.second_part("a wheel is built and its commands are run")
 
@@ -100,29 +98,6 @@ def test_the_extra_sim_makes_environments_without_torch(
 def test_without_its_extra_a_part_of_the_package_names_what_adds_it(base: Path, own: Path) -> None:
     last = alone(base, own, "-c", "import vitruvius.sim").stderr.splitlines()[-1]
     assert last == 'ModuleNotFoundError: vitruvius.sim needs gymnasium: pip install "vitruvius[sim]"'
-
-
-@pytest.mark.parametrize(
-    ("origin", "command"),
-    [
-        (None, 'pip install "vitruvius[sim]"'),
-        ('{"url": "file:///a%20b/v.whl", "archive_info": {}}', 'pip install "/a b/v.whl[sim]"'),
-        ('{"url": "file:///code", "dir_info": {"editable": true}}', 'pip install -e "/code[sim]"'),
-        (
-            '{"url": "https://x.org/v", "vcs_info": {"vcs": "git", "commit_id": "0"}}',
-            'pip install "vitruvius[sim] @ git+https://x.org/v"',
-        ),
-        (
-            '{"url": "https://x.org/v.whl", "archive_info": {}}',
-            'pip install "vitruvius[sim] @ https://x.org/v.whl"',
-        ),
-    ],
-)
-def test_the_command_that_adds_an_extra_names_the_origin_of_the_installation(
-    origin: str | None, command: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(installation, "distribution", lambda _: SimpleNamespace(read_text=lambda _: origin))
-    assert installation.install_command("sim") == command
 
 
 def files_in(folder: Path) -> set[str]:

@@ -160,6 +160,29 @@ def test_an_old_prolog_is_not_taken_for_a_good_one(machine: Machine) -> None:
     assert machine.run("demo")[0] == 69
 
 
+@pytest.mark.parametrize(
+    ("release", "candidate", "installs"),
+    [
+        ("UBUNTU_CODENAME=jammy", "8.4.2+dfsg-2ubuntu1", False),
+        ("UBUNTU_CODENAME=jammy", "9.3.8-1-g2fa0e6e-jammyppa2", True),
+        ("UBUNTU_CODENAME=noble", "9.0.4+dfsg-3.1ubuntu4", True),
+        ("ID=debian", "9.0.4+dfsg-2", True),
+    ],
+)
+def test_where_apt_has_an_old_prolog_its_archive_is_named_and_nothing_is_installed(
+    tmp_path: Path, release: str, candidate: str, installs: bool
+) -> None:
+    policy = f"echo '  Candidate: {candidate}'"
+    log = {"apt-get": 'echo >"$STUBS/installed"; exit 100', "apt-cache": policy}
+    machine = Machine(tmp_path, swipl="exit 1", **log)
+    (tmp_path / "os-release").write_text(f"NAME=Linux\n{release}\n")
+    process = machine.start("demo", OS_RELEASE=str(tmp_path / "os-release"))
+    err = process.communicate(timeout=PATIENCE)[1]
+    assert process.returncode == 69
+    assert ("add-apt-repository ppa:swi-prolog/stable" in err.splitlines()[-1]) != installs
+    assert (machine.stubs / "installed").exists() == installs
+
+
 def test_a_prolog_that_cannot_run_is_named_and_nothing_is_installed(tmp_path: Path) -> None:
     """Under a tiny stack (``ulimit -s``) Prolog ends by a signal."""
     install = {"apt-get": 'echo >"$STUBS/installed"'}

@@ -72,6 +72,10 @@ COMMANDS = {
         "vitruvius.studies:study_table",
         "Run a study of a checkout: solve time, simulator speed, agents' scores.",
     ),
+    "doctor": (
+        "vitruvius.commands.doctor:Doctor",
+        "Check what is installed, and print commands that install the rest.",
+    ),
     "schema": (
         "vitruvius.answers.agents:Schema",
         "Print the JSON Schema of a house, or of answers of --json.",
@@ -87,7 +91,7 @@ GROUPS = {
     "train": "Learning",
     "play": "Seeing",
     "demo": "Studies",
-    "schema": "For programs and shells",
+    "doctor": "Setup, programs and shells",
 }
 """Titles of the groups in help, by the first command of each."""
 

@@ -15,11 +15,16 @@ from typing import Any
 from clingo import Symbol, SymbolType
 
 from vitruvius.logic.errors import MissingProgram, VitruviusError
+from vitruvius.logic.installation import prolog_command
 
 try:
     from pyswip import core as swi
 except Exception as error:  # pyswip raises many kinds where it finds no usable SWI-Prolog.
-    raise MissingProgram(f"SWI-Prolog cannot be used: {error}. Install it, or use ./run") from None
+    reason = " ".join(str(error).split()) or "not found"
+    raise MissingProgram(f"SWI-Prolog cannot be used ({reason}): {prolog_command()}") from None
+
+OLDEST = 90000
+"""Oldest version of SWI-Prolog whose CLP(R) answers as the rules need."""
 
 FLAGS = swi.PL_Q_NODEBUG | swi.PL_Q_CATCH_EXCEPTION
 
@@ -34,6 +39,18 @@ class Term:
 
 class PrologError(Exception):
     """Error that a predicate has raised, with the term as its text."""
+
+
+def require() -> None:
+    """Raise ``MissingProgram`` if SWI-Prolog is too old, or comes without library(clpr)."""
+    number = swi.PL_version(swi.PL_VERSION_SYSTEM)
+    version = f"SWI-Prolog {number // 10000}.{number // 100 % 100}.{number % 100}"
+    if number < OLDEST:
+        raise MissingProgram(f"{version} is too old, 9.0 or later is needed: {prolog_command()}")
+    try:
+        run("use_module", Term("library", "clpr"), module="system")
+    except PrologError:
+        raise MissingProgram(f"{version} lacks library(clpr): {prolog_command()}") from None
 
 
 def load(file: Path) -> None:

@@ -256,6 +256,7 @@ def _prepare(directory: str) -> None:
     from vitruvius.logic.layout.program import CORE
     from vitruvius.logic.placement import prolog
 
+    prolog.require()
     prolog.load(RULES / "core.pl")
     with contextlib.suppress(GrammarError):  # ``_loaded`` reports mistakes of the grammar.
         topology = find(directory).topology

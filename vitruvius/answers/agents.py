@@ -18,6 +18,7 @@ ANSWERS = {
     "lint": "vitruvius.answers.houses:Linted",
     "explain": "vitruvius.answers.houses:Explained",
     "info": "vitruvius.commands.info:About",
+    "doctor": "vitruvius.commands.doctor:Findings",
     "train": "vitruvius.answers.agents:Trained",
     "evaluate": "vitruvius.agent.evaluation.scores:ScoreFile",
     "record": "vitruvius.answers.houses:Written",

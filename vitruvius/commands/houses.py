@@ -10,7 +10,7 @@ import tyro
 from vitruvius.commands.common import Repeated, print_answer, say_warnings
 from vitruvius.logic.exports import FORMATS
 from vitruvius.logic.spelling import numbered, printable
-from vitruvius.logic.terminal import print_line, progress, say
+from vitruvius.logic.terminal import print_above, progress, say
 from vitruvius.options import DASH, Streamed
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ class Check:
             violations = check(house, replace(promises, clear_front=clear))
             checked.append(Violations(index, violations))
             for violation in [] if self.json else violations:
-                print_line(printable(f"{self.file}: house {index}: {violation}"))
+                print_above(printable(f"{self.file}: house {index}: {violation}"))
         for name in self.clear_front:
             if name not in pieces:
                 say(f"--clear-front {name}: {unknown('piece', name, pieces)}")

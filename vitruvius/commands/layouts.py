@@ -5,7 +5,7 @@ from typing import Any
 
 from vitruvius.logic.errors import RequestError
 from vitruvius.logic.spelling import numbered
-from vitruvius.logic.terminal import print_line, working
+from vitruvius.logic.terminal import print_above, working
 
 
 def count_layouts(command: Any) -> int:
@@ -32,7 +32,7 @@ def count_layouts(command: Any) -> int:
             numbers.append(Layouts(name, number, whole))
             more = "" if whole else f"in {command.seconds:g} s, more than "
             if not command.json:
-                print_line(f"{name}: {more}{number:,}")
+                print_above(f"{name}: {more}{number:,}")
             begun = time.monotonic()
             show("")
     if command.json:
