@@ -142,7 +142,7 @@ def executed(path: Path) -> Any:
 
     cells = nbformat.read(path, as_version=4)
     os.environ["PYTHONPATH"] = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
-    os.environ["PATH"] = os.pathsep.join([f"{sys.prefix}/bin", os.environ.get("PATH", "")])  # for cells of bash
+    os.environ["PATH"] = os.pathsep.join([f"{sys.prefix}/bin", os.environ.get("PATH", "")])
     with TemporaryDirectory() as folder:
         # Sockets in the folder: other users could listen on a port.
         sockets = Config(KernelManager={"transport": "ipc", "ip": f"{folder}/kernel"})
