@@ -7,6 +7,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.metadata import PackageNotFoundError, distribution
+from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 NAME = "vitruvius"
@@ -85,6 +86,8 @@ def install_command(extra: str) -> str:
     address, editable = origin.get("url", ""), origin.get("dir_info", {}).get("editable", False)
     if "vcs_info" in origin:
         address = f"{origin['vcs_info']['vcs']}+{address}"
+    if editable and Path(path := unquote(urlsplit(address).path), "run").is_file():
+        return f"{path}/run setup {extra}"
     if address.startswith("file:"):
         wanted = f"{unquote(urlsplit(address).path)}[{extra}]"
     else:

@@ -16,9 +16,14 @@ APT = "echo 'E: no network' >&2; exit 100"
 UV = """
 case "$1 $2" in
 "venv -q") mkdir -p "$3/bin" && ln -s "$(command -v env)" "$3/bin/python" ;;
-"pip sync") echo sync >>"$STUBS/log"; echo "+ torch"; sleep "${SLOW:-0}"; [ ! -e "$STUBS/broken" ] ;;
-"pip install") printf '%s\\n' '#!/usr/bin/env bash' 'echo "vitruvius $* in $PWD"; exit 3' >"$5/bin/vitruvius"
-    chmod +x "$5/bin/vitruvius" ;;
+"pip sync") echo all >>"$STUBS/log"; echo "+ torch"; sleep "${SLOW:-0}"; [ ! -e "$STUBS/broken" ] ;;
+"pip install")
+    case $* in *--constraints*)
+        echo "${@: -1}" >>"$STUBS/log"; sleep "${SLOW:-0}"; [ ! -e "$STUBS/broken" ] || exit ;;
+    esac
+    while [ "$1" != --python ]; do shift; done
+    printf '%s\\n' '#!/usr/bin/env bash' 'echo "vitruvius $* in $PWD"; exit 3' >"$2/bin/vitruvius"
+    chmod +x "$2/bin/vitruvius" ;;
 esac
 """
 UV_INSTALLER = """echo 'mkdir -p "$UV_UNMANAGED_INSTALL" && cp "$STUBS/hidden" "$UV_UNMANAGED_INSTALL/uv"'"""
@@ -71,9 +76,10 @@ class Machine:
         out, err = process.communicate(timeout=PATIENCE)
         return process.returncode, out, err
 
-    def set_ups(self) -> int:
+    def set_ups(self) -> list[str]:
+        """Return the installed parts, one for each set-up: ``.``, ``.[agent]``, ``all``."""
         log = self.stubs / "log"
-        return len(log.read_text().splitlines()) if log.exists() else 0
+        return log.read_text().splitlines() if log.exists() else []
 
 
 @pytest.fixture
@@ -85,7 +91,7 @@ def test_a_command_sets_up_once_and_keeps_its_arguments_folder_output_and_exit_c
     for _ in range(2):
         code, out, _ = machine.run("generate", "--out", "my houses.jsonl")
         assert (code, out) == (3, f"vitruvius generate --out my houses.jsonl in {machine.stubs}\n")
-    assert machine.set_ups() == 1
+    assert len(machine.set_ups()) == 1
 
 
 @pytest.mark.parametrize("relative", [False, True])
@@ -104,12 +110,55 @@ def test_a_link_to_it_runs_in_the_checkout_that_it_leads_to(
     assert (machine.checkout / ".venv").is_dir()
 
 
+@pytest.mark.parametrize(
+    ("words", "installed"),
+    [
+        ("generate", ["."]),
+        ("watch", ["."]),
+        ("train", [".[agent]"]),
+        ("play", [".[play]"]),
+        ("setup ifc", [".[ifc]"]),
+        ("demo", [".", ".[agent]"]),
+        ("python", ["all"]),
+        ("setup", ["all"]),
+    ],
+)
+def test_a_command_sets_up_what_it_needs_and_no_more(
+    machine: Machine, words: str, installed: list[str]
+) -> None:
+    (machine.checkout / "pyproject.toml").write_text("ifc = [\n]\n")
+    machine.run(*words.split())
+    assert machine.set_ups() == installed
+
+
+def test_what_was_set_up_for_another_command_stays_and_is_enough_for_a_smaller_one(machine: Machine) -> None:
+    for words in ("train", "generate", "play", "train", "setup", "play", "record"):
+        machine.run(words)
+    assert machine.set_ups() == [".[agent]", ".[agent,play]", "all"]
+
+
+def test_the_demo_draws_six_homes_before_the_rest_is_installed(machine: Machine) -> None:
+    log = UV.replace("""'echo "vitruvius $* in $PWD"; exit 3'""", """'echo "$*" >>"$STUBS/log"'""")
+    (machine.stubs / "uv").write_text(f"#!/usr/bin/env bash\n{log}")
+    machine.run("demo")
+    base, generate, draw, rest, demo = machine.set_ups()
+    assert (base, rest, demo) == (".", ".[agent]", "demo")
+    assert "--count 6" in generate
+    assert draw.startswith("draw ")
+
+
+def test_an_extra_that_is_none_is_refused_in_one_line(machine: Machine) -> None:
+    code, out, err = machine.run("setup", "nothing")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert machine.set_ups() == []
+
+
 def test_help_sets_nothing_up(machine: Machine) -> None:
     for args in [(), ("help",), ("--help",)]:
         code, out, _ = machine.run(*args)
         assert code == 0
         assert "./run demo" in out
-    assert machine.set_ups() == 0
+    assert machine.set_ups() == []
 
 
 def test_the_help_of_a_command_is_the_command_s_own(machine: Machine) -> None:
@@ -118,46 +167,46 @@ def test_the_help_of_a_command_is_the_command_s_own(machine: Machine) -> None:
 
 def test_a_set_up_cut_short_is_begun_again(machine: Machine) -> None:
     (machine.stubs / "broken").touch()
-    code, _, err = machine.run("demo")
+    code, _, err = machine.run("train")
     assert code == 69
     assert "could not be installed" in err.splitlines()[-1]
     leftover = machine.checkout / ".venv" / "half a package"
     leftover.touch()
     (machine.stubs / "broken").unlink()
-    assert machine.run("demo")[0] == 3
+    assert machine.run("train")[0] == 3
     assert not leftover.exists()
 
 
 @pytest.mark.parametrize("what", ["requirements.lock", "pyproject.toml", "run"])
 def test_a_changed_file_is_noticed(machine: Machine, what: str) -> None:
-    machine.run("demo")
+    machine.run("train")
     with (machine.checkout / what).open("a") as file:
         file.write("# changed\n")
-    machine.run("demo")
-    assert machine.set_ups() == 2
+    machine.run("train")
+    assert len(machine.set_ups()) == 2
 
 
 def test_a_moved_checkout_is_set_up_anew(machine: Machine) -> None:
-    machine.run("demo")
+    machine.run("train")
     old = machine.checkout / ".venv" / "with the old path"
     old.touch()
     machine.checkout = machine.checkout.rename(machine.checkout.with_name("moved"))
-    assert machine.run("demo")[0] == 3
-    assert machine.set_ups() == 2
+    assert machine.run("train")[0] == 3
+    assert len(machine.set_ups()) == 2
     assert not (machine.checkout / ".venv" / old.name).exists()
 
 
 def test_a_prolog_that_vanished_is_noticed_and_named(machine: Machine) -> None:
-    machine.run("demo")
+    machine.run("train")
     (machine.stubs / "swipl").unlink()
-    code, out, err = machine.run("demo")
+    code, out, err = machine.run("train")
     assert (code, out) == (69, "")
     assert "SWI-Prolog 9.0 or later" in err.splitlines()[-1]
 
 
 def test_an_old_prolog_is_not_taken_for_a_good_one(machine: Machine) -> None:
     (machine.stubs / "swipl").write_text("#!/usr/bin/env bash\nexit 1\n")
-    assert machine.run("demo")[0] == 69
+    assert machine.run("train")[0] == 69
 
 
 @pytest.mark.parametrize(
@@ -176,7 +225,7 @@ def test_where_apt_has_an_old_prolog_its_archive_is_named_and_nothing_is_install
     log = {"apt-get": 'echo >"$STUBS/installed"; exit 100', "apt-cache": policy}
     machine = Machine(tmp_path, swipl="exit 1", **log)
     (tmp_path / "os-release").write_text(f"NAME=Linux\n{release}\n")
-    process = machine.start("demo", OS_RELEASE=str(tmp_path / "os-release"))
+    process = machine.start("train", OS_RELEASE=str(tmp_path / "os-release"))
     err = process.communicate(timeout=PATIENCE)[1]
     assert process.returncode == 69
     assert ("add-apt-repository ppa:swi-prolog/stable" in err.splitlines()[-1]) != installs
@@ -187,7 +236,7 @@ def test_a_prolog_that_cannot_run_is_named_and_nothing_is_installed(tmp_path: Pa
     """Under a tiny stack (``ulimit -s``) Prolog ends by a signal."""
     install = {"apt-get": 'echo >"$STUBS/installed"'}
     machine = Machine(tmp_path, swipl="kill -SEGV $$", **install)
-    code, _, err = machine.run("demo")
+    code, _, err = machine.run("train")
     assert code == 69
     assert "as it started: check the limits" in err.splitlines()[-1]
     assert not (machine.stubs / "installed").exists()
@@ -202,16 +251,16 @@ def test_without_uv_and_python_the_message_says_what_to_install(tmp_path: Path) 
 @pytest.mark.parametrize("program", ["python3", "curl", "wget"])
 def test_uv_is_brought_by_what_is_there(tmp_path: Path, program: str) -> None:
     machine = Machine(tmp_path, swipl=SWIPL, hidden=UV, **{program: UV_SOURCES[program]})
-    assert machine.run("demo")[0] == 3
+    assert machine.run("train")[0] == 3
     assert (machine.checkout / ".local/uv/bin/uv").exists()
 
 
 @pytest.mark.skipif(not shutil.which("flock"), reason="needs flock")
 def test_two_at_once_set_up_once(machine: Machine) -> None:
-    both = [machine.start("demo", SLOW="0.5") for _ in range(2)]
+    both = [machine.start("train", SLOW="0.5") for _ in range(2)]
     answers = [process.communicate(timeout=PATIENCE) for process in both]
     assert [process.returncode for process in both] == [3, 3]
-    assert machine.set_ups() == 1
+    assert len(machine.set_ups()) == 1
     assert any("waiting for another ./run" in err for _, err in answers)
 
 
@@ -229,7 +278,7 @@ def test_tests_run_side_by_side_unless_files_are_named(
 ) -> None:
     monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
     monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")
-    machine.run("demo")
+    machine.run("train")
     python = machine.checkout / ".venv/bin/python"
     python.unlink()
     python.write_text(
