@@ -36,7 +36,6 @@ FOLDERS = {
             "copies",
             "includes",
             "grammar",
-            "bars",
             "terminal",
             "cluster",
         ),

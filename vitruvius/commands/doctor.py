@@ -38,7 +38,7 @@ class Doctor:
     """
 
     json: bool = False
-    """Print one answer as JSON (docs/command-line.md)."""
+    """Print one answer as JSON: what was found, and what lacks."""
 
     def run(self) -> int:
         """Print the findings."""

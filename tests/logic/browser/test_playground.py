@@ -12,8 +12,8 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browsing import answered_under_the_finger, box, cut_on_paper, findings, line_is_seen, too_wide
-from tests.logic.browser.answers import answered
 from tests.docs.reader import ROOT
+from tests.logic.browser.answers import answered
 from tests.programs import PATIENCE
 from vitruvius.logic import House, check, generate
 from vitruvius.logic.browser.playground import folder
