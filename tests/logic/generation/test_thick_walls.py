@@ -51,7 +51,7 @@ def builder() -> Builder:
 
 @pytest.fixture(scope="module")
 def houses(builder: Builder) -> list[House]:
-    return [builder.house(HouseRequest(rooms), seed, 0) for rooms in (5, 8) for seed in range(3)]
+    return [builder.house(HouseRequest(rooms), seed, 0) for rooms in (5, 8) for seed in range(2)]
 
 
 def boxes(house: House, by: float = 0.0) -> Any:
@@ -190,7 +190,7 @@ def test_a_file_has_the_thickness_and_gives_the_same_house(houses: list[House]) 
 
 
 def test_a_plan_of_a_house_or_of_its_geojson_keeps_its_rooms(builder: Builder, houses: list[House]) -> None:
-    house = houses[4]
+    house = houses[3]
     for plan in (house, to_geojson(house)):
         again = builder.house(HouseRequest(len(house.rooms), plan=read_plan(plan)), 1, 0)
         assert check(again) == []
@@ -203,7 +203,7 @@ def test_a_plan_of_a_house_or_of_its_geojson_keeps_its_rooms(builder: Builder, h
 def test_a_plan_s_door_that_reaches_into_the_wall_across_moves_out_of_it(
     builder: Builder, houses: list[House]
 ) -> None:
-    house = houses[4]
+    house = houses[3]
     door = next(each for each in house.doors if OUTSIDE not in each.between)
     axis = 1 - across(door)
     end = min(house.room(name).box[axis + 2] for name in door.between)
@@ -218,7 +218,7 @@ def test_a_plan_s_door_that_reaches_into_the_wall_across_moves_out_of_it(
 
 
 def test_geojson_in_another_unit_has_walls_in_that_unit(houses: list[House]) -> None:
-    record = to_geojson(houses[4])
+    record = to_geojson(houses[3])
     plan = read_plan(record)
     for feature in record["features"]:
         geometry = feature["geometry"]
@@ -277,13 +277,12 @@ def test_other_topologies_and_units_have_such_walls(name: str, tmp_path: Path) -
     (tmp_path / "thick" / "walls.pl").write_text("wall_thickness(inner, 0.1). wall_thickness(outer, 0.4).\n")
     if name == "dissection":
         (tmp_path / "thick" / "void.lp").write_text("#program house.\nvoid(rooms).\n")
-    for house in generate(rooms, grammar=tmp_path / "thick", count=2):
-        assert check(house) == []
-        least = min(
-            shapely.box(*one.box).distance(shapely.box(*other.box))
-            for one, other in combinations(house.rooms, 2)
-        )
-        assert least == pytest.approx(0.1, abs=EXACT)
+    [house] = generate(rooms, grammar=tmp_path / "thick")
+    assert check(house) == []
+    least = min(
+        shapely.box(*one.box).distance(shapely.box(*other.box)) for one, other in combinations(house.rooms, 2)
+    )
+    assert least == pytest.approx(0.1, abs=EXACT)
 
 
 def test_a_brief_states_areas_within_the_walls() -> None:
