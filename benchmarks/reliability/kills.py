@@ -32,7 +32,7 @@ COMMANDS = {
     "draw": "draw houses.jsonl --out OUT/plans --format png",
     "report": "report run --out OUT/report.html",
     "evaluate": "evaluate run/agent.safetensors --houses house.jsonl --targets main --out OUT/scores",
-    "train": "train houses.jsonl --steps 4000 --num-envs 4 --out OUT/run",
+    "train": "train houses.jsonl --steps 2000 --num-envs 4 --out OUT/run",
 }
 """Arguments of each command, by its name."""
 

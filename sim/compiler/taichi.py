@@ -5,6 +5,7 @@ are modules of the compiler, and ``NAME`` is its name. ``LOCK`` is the file in i
 holds while it writes there. ``Compiled`` is a kernel.
 """
 
+import inspect
 import os
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -18,7 +19,12 @@ os.environ.setdefault("TI_ENABLE_PYBUF", "0")
 # machine.
 os.environ["TI_SKIP_VERSION_CHECK"] = "ON"
 
+# As it is imported, Taichi reads the source around each of its functions, for which Python goes through all
+# modules. That is half of the time of the import once torch is there, and finds nothing that it needs.
+module_of, inspect.getmodule = inspect.getmodule, lambda *_: None
 import taichi as ti
+
+inspect.getmodule = module_of
 from taichi._lib import core
 from taichi.graph._graph import gen_cpp_kernel
 from taichi.lang import impl

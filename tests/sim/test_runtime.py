@@ -105,7 +105,7 @@ assert constants(numbers) is constants(numbers.copy())
 try:
     for k in range(MOST_FIELDS):
         table = constants(numbers + k)
-        assert (table.to_numpy() == numbers + k).all()
+    assert (table.to_numpy() == numbers + k).all()
     constants(numbers - 1)
 except RuntimeError as error:
     print(k, error)

@@ -174,20 +174,18 @@ from vitruvius.sim import Config, HouseVectorEnv, Oracle
 from tests import sample_houses
 
 houses = [sample_houses.drawn(sample_houses.ONE_ROOM, cell=0.8)] * 2
-for backend in ("continuous", "grid"):
-    for by_ray in (False, True):
-        envs = HouseVectorEnv(
-            houses, num_envs=8, backend=backend, targets="mixed",
-            preset=Config(sees_kind=(backend == "grid") != by_ray),
-            max_episode_steps=9, autoreset_mode="SameStep", by_ray=by_ray,
-        )
-        envs.reset(seed=0)
-        for actions in np.random.default_rng(0).choice(3, p=[0.1, 0.1, 0.8], size=(20, 8)):
-            envs.step(actions)
-        envs.targets(3)
-        Oracle(envs).act()
-        ti.sync()
-        print("no fault")
+for backend, by_ray in (("continuous", False), ("grid", True)):
+    envs = HouseVectorEnv(
+        houses, num_envs=8, backend=backend, targets="mixed", preset=Config(sees_kind=True),
+        max_episode_steps=9, autoreset_mode="SameStep", by_ray=by_ray,
+    )
+    envs.reset(seed=0)
+    for actions in np.random.default_rng(0).choice(3, p=[0.1, 0.1, 0.8], size=(20, 8)):
+        envs.step(actions)
+    envs.targets(3)
+    Oracle(envs).act()
+    ti.sync()
+    print("no fault")
 
 
 @ti.kernel
@@ -212,5 +210,5 @@ def test_nothing_is_read_or_written_out_of_bounds(tmp_path):
     root = str(Path(__file__).parents[3])
     done = finished([sys.executable, program], env=os.environ | {"PYTHONPATH": root})
     assert done.returncode == 0, done.stderr
-    assert 4 * "no fault\n" + "a fault" in done.stdout, done.stdout + done.stderr
+    assert 2 * "no fault\n" + "a fault" in done.stdout, done.stdout + done.stderr
     assert "bound" in done.stdout
