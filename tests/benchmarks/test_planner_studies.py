@@ -123,11 +123,11 @@ def test_a_variant_is_the_tuned_configuration_but_for_its_numbers() -> None:
     ("text", "says"),
     [
         ("replan_intervall=3", "is not a number of PlannerConfig. Did you mean replan_interval?"),
-        ("replan_interval=48,Q=1", "Q is no number"),
-        ("", "nothing is no number"),
+        ("replan_interval=48,Q=1", "Q is not a number"),
+        ("", "nothing is not a number"),
         ("near=4.5", "near needs a number like its default, 8, not '4.5'"),
         ("near", "not ''"),
-        ("floor_odds=3", "floor_odds is no number"),
+        ("floor_odds=3", "floor_odds is not a number"),
         ("viewpoint_pitch=5", "viewpoint_pitch must be a power of two, 4 or more, not 5"),
     ],
 )

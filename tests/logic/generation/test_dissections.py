@@ -55,7 +55,7 @@ def test_a_void_is_free_where_the_rules_say_and_as_large_as_they_say(
 
 
 def test_a_void_with_the_number_of_a_room_is_an_error(tmp_path: Path) -> None:
-    with pytest.raises(GrammarError, match="a void has a number of its own"):
+    with pytest.raises(GrammarError, match="the numbers of voids follow"):
         next(generate(6, grammar=stated(tmp_path, "void(0).")))
 
 

@@ -171,10 +171,10 @@ def test_a_user_says_how_many_rooms_flats_have_and_how_deep_they_are(tmp_path: P
 @pytest.mark.parametrize(
     ("edit", "says"),
     [
-        (("rooms.lp", "units(5,9)", "units(9,5)"), "the lesser first"),
+        (("rooms.lp", "units(5,9)", "units(9,5)"), "the smaller first"),
         (("rooms.lp", "public(commonCorridor)", "public(lobby)"), "no room type has this name"),
         (("sizes.pl", "unit_depth(D) :- { D >= 7.0, D =< 8.8 }.", ""), "unit_depth/1 has no clause"),
-        (("rooms.lp", "units(5,9).", ""), "See units/2"),
+        (("rooms.lp", "units(5,9).", ""), "state it by units/2"),
         (("rooms.lp", "topology(building)", "topology(ring)"), "the topology ring has no units"),
     ],
 )
