@@ -58,7 +58,9 @@ def is_taken(text: str) -> bool:
 
 def test_each_entry_of_the_changelog_is_an_item_of_a_list() -> None:
     lines = (ROOT / "CHANGELOG.md").read_text().splitlines()
-    assert [line for line in lines if line and not line.startswith(("# ", "## ", "- ", "  "))] == []
+    assert [line for line in lines if line and not re.match("#+ |- |  ", line)] == []
+    titles = re.findall("^### (.*)", "\n".join(lines), re.MULTILINE)
+    assert {*titles} <= {"Added", "Changed", "Fixed", "Removed"}
 
 
 ELSEWHERE = {
