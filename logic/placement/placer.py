@@ -14,13 +14,14 @@ from clingo import Symbol, parse_term
 from msgspec.structs import replace
 
 from vitruvius.logic.errors import GrammarError, OutOfInferences, Reason
-from vitruvius.logic.grammar import RULES, Grammar
+from vitruvius.logic.grammar import Grammar
 from vitruvius.logic.house.promises import Thickness
 from vitruvius.logic.includes import height
 from vitruvius.logic.layout import account
 from vitruvius.logic.layout.account import Account
 from vitruvius.logic.layout.program import Conflict
 from vitruvius.logic.placement import prolog
+from vitruvius.logic.placement.compiled import CORE
 from vitruvius.logic.placement.layout import Layout, RoomLayout
 from vitruvius.logic.placement.plan import Pieces, Plan, StarPlan, UnitRange
 from vitruvius.logic.placement.prolog import Term
@@ -74,7 +75,7 @@ class Placer:
         """
         self._grammar, self.cell = grammar, cell
         self.account = Account(self._located)
-        prolog.load(RULES / "core.pl")
+        prolog.load(CORE)
         self.kind_of_walls = "shared" if grammar.shares_walls else "apart"
         self.problems: list[list[Any]] = []
         self.load()

@@ -53,9 +53,19 @@ def require() -> None:
         raise MissingProgram(f"{version} lacks library(clpr): {prolog_command()}") from None
 
 
-def load(file: Path) -> None:
-    """Load a file of the core, unless it is loaded."""
-    run("use_module", str(file), module="system")
+_loaded = set[Path]()
+
+
+def load(file: Path, compiled: Path | None = None) -> None:
+    """Load a file of the core, or the same file as SWI-Prolog has compiled it, unless it is loaded."""
+    if file not in _loaded:
+        run("use_module", str(compiled or file), module="system")
+        _loaded.add(file)
+
+
+def flag(name: str) -> str:
+    """Return the text of a flag of SWI-Prolog."""
+    return _called("system", "current_prolog_flag", [name], answers=True)
 
 
 def run(predicate: str, *arguments: Any, module: str) -> None:

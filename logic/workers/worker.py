@@ -19,7 +19,7 @@ from typing import Any, TextIO
 
 import msgspec
 
-from vitruvius.logic.errors import GrammarError, LimitReached, VitruviusError, to_record
+from vitruvius.logic.errors import GrammarError, LimitReached, MissingProgram, VitruviusError, to_record
 from vitruvius.logic.workers import confinement
 from vitruvius.logic.workers.messages import (
     Asked,
@@ -69,6 +69,7 @@ SEARCHED = 0.9
 def main() -> None:
     """Answer questions until the parent closes its end of the pipe."""
     questions, answers = _private_pipes()
+    _compile_core()
     confinement.limit()
     requests: queue.SimpleQueue[str] = queue.SimpleQueue()
     threading.Thread(target=_listen, args=(questions, requests), daemon=True).start()
@@ -244,20 +245,30 @@ class Worker:
         yield Loaded(self._builder.versions, loaded.furniture, loaded.most_rooms)
 
 
+def _compile_core() -> None:
+    """Compile the core of SWI-Prolog if need be, before this process gives up its rights and reads rules."""
+    with contextlib.suppress(MissingProgram, LimitReached, OSError):  # ``_prepare`` reports what is missing.
+        confinement.require_files()
+        from vitruvius.logic.placement.compiled import provide
+
+        provide()
+
+
 def _prepare(directory: str) -> None:
     """Import the solvers and load the core that a grammar needs, but no rule of the grammar.
 
     The imports are here, not at the top, because a missing solver is an answer, too.
     """
     confinement.require_files()
-    from vitruvius.logic.grammar import RULES, find
+    from vitruvius.logic.grammar import find
     from vitruvius.logic.language.asp.vocabulary import core_words
     from vitruvius.logic.layout import differences
     from vitruvius.logic.layout.program import CORE
     from vitruvius.logic.placement import prolog
+    from vitruvius.logic.placement.compiled import load_core
 
     prolog.require()
-    prolog.load(RULES / "core.pl")
+    load_core()
     with contextlib.suppress(GrammarError):  # ``_loaded`` reports mistakes of the grammar.
         topology = find(directory).topology
         core_words(topology)

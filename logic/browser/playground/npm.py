@@ -5,11 +5,11 @@ import os
 import re
 import shutil
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
 from vitruvius.logic.errors import MissingProgram, VitruviusError
+from vitruvius.logic.files.cache import cache
 
 LOCK = ("package.json", "package-lock.json")
 """Files that list the packages to install, with their hashes."""
@@ -25,7 +25,7 @@ def installed(folder: Path, what: str) -> Path:
     ``VitruviusError`` if npm cannot fetch the packages.
     """
     lock = [(folder / name).read_bytes() for name in LOCK]
-    kept = _cache() / f"{folder.name}-{hashlib.sha256(b''.join(lock)).hexdigest()[:16]}"
+    kept = cache() / f"{folder.name}-{hashlib.sha256(b''.join(lock)).hexdigest()[:16]}"
     if not kept.is_dir():
         npm = shutil.which("npm")
         if npm is None:
@@ -34,8 +34,8 @@ def installed(folder: Path, what: str) -> Path:
                 "node), then run this again"
             )
         try:
-            _cache().mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryDirectory(dir=_cache()) as beside:
+            cache().mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryDirectory(dir=cache()) as beside:
                 made = Path(beside, "packages")
                 made.mkdir()
                 for name, content in zip(LOCK, lock, strict=True):
@@ -44,7 +44,7 @@ def installed(folder: Path, what: str) -> Path:
                 if not kept.is_dir():  # Another process may have been faster.
                     os.replace(made, kept)
         except OSError as error:
-            raise VitruviusError(f"{_cache()}: cannot be written: {error.strerror}") from None
+            raise VitruviusError(f"{cache()}: cannot be written: {error.strerror}") from None
     return kept / "node_modules"
 
 
@@ -61,13 +61,3 @@ def _install(npm: str, folder: Path, what: str) -> None:
         said = [line for line in done.stderr.splitlines() if line.startswith(("npm error", "npm ERR!"))]
         why = re.sub(r"^npm (error|ERR!) ", "", said[0]) if said else f"exit code {done.returncode}"
         raise VitruviusError(f"npm cannot fetch {what}: {why}: is there a network?")
-
-
-def _cache() -> Path:
-    """Return this user's folder for files that can be fetched again."""
-    home = Path.home()
-    if os.name == "nt":
-        default = home / "AppData" / "Local"
-    else:
-        default = home / ("Library/Caches" if sys.platform == "darwin" else ".cache")
-    return Path(os.environ.get("XDG_CACHE_HOME") or default) / "vitruvius"
