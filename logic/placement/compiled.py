@@ -84,12 +84,10 @@ def _key() -> str:
 def _is_whole(file: Path) -> bool:
     """Return True if a file has the hash in its name."""
     try:
-        return (
-            hashlib.sha256(content_of(file, MAX_BYTES, unpack=False)).hexdigest()
-            == file.stem.rpartition("-")[2]
-        )
+        content = content_of(file, MAX_BYTES, unpack=False)
     except OSError:
         return False
+    return file.stem.endswith(f"-{hashlib.sha256(content).hexdigest()}")
 
 
 def _compile(folder: Path) -> None:
