@@ -3,6 +3,7 @@
 import json
 import os
 import shutil
+import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,7 +12,7 @@ from typing import Any
 import pytest
 
 from tests.logic.dataset.sets import command, content, made
-from tests.programs import finished
+from tests.programs import PATIENCE, finished
 from vitruvius.info.kinds import SetOfHouses
 from vitruvius.info.recognise import recognised
 from vitruvius.logic import House, HouseSet, LimitReached, generate
@@ -169,7 +170,7 @@ WRONG = {
     "--shard 0/2": "--shard: 3 splits and 17 houses cannot be divided into 2 shards",
     "--shard 0/5 --seed 147483648": "seed must be at most 147483647, not 147483648",
     "--shard 0/5 --rooms 2": "holds a set of another request",
-    "--shard 0/5 --grammar home --rooms 4": "holds a set of another grammar (family, not home)",
+    "--shard 0/5 --grammar plain --rooms 4": "holds a set of another grammar (family, not plain)",
     "--shard 0/5 --seed 1": "holds a set of another seed (0, not 1)",
     "--shard 0/6": "holds a set of another shards (5, not 6)",
     "--shard 0/5 --count 13": "holds a set of another houses",
@@ -270,3 +271,22 @@ def test_the_rules_of_a_user_travel_with_the_set(tmp_path: Path) -> None:
     assert of
     shutil.rmtree(mine)
     assert of.rules(tmp_path / "set").directory == tmp_path / "set" / "grammar" / "mine"
+
+
+@pytest.mark.second_part("several processes")
+def test_shards_that_begin_at_once_make_one_set(tmp_path: Path) -> None:
+    """A Slurm array starts shards like this. No shard mistakes another's beginning for something else."""
+    words = "generate --rooms 1 --count 3 --files jsonl --shard {}/3 --out {}"
+    folder = tmp_path / "set"
+    started = [
+        subprocess.Popen(
+            [sys.executable, "-m", "vitruvius.cli", *words.format(shard, folder).split()],
+            cwd=Path(__file__).parents[3],
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        for shard in range(3)
+    ]
+    said = [process.communicate(timeout=PATIENCE)[1] for process in started]
+    assert [process.returncode for process in started] == [0] * 3, said
+    assert read_manifest(folder) is not None
