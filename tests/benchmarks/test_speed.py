@@ -26,17 +26,15 @@ def test_each_part_of_the_work_makes_steps(part: str) -> None:
 @pytest.mark.skipif(len(os.sched_getaffinity(0)) < 2, reason="one core")
 def test_processes_that_train_as_ranks_of_one_run_are_timed(tmp_path: Path, capsys) -> None:
     study = Speed(
-        ("train",), environments=(2,), processes=(1, 2), seconds=0.01, rounds=1, out=tmp_path / "speed"
+        ("train",), environments=(2,), processes=(2,), seconds=0.01, rounds=1, out=tmp_path / "speed"
     )
     study.run()
     page = (study.out / "speed.md").read_text()
     assert capsys.readouterr().out.strip() == page.strip()
-    one, two = (line.strip("| ").split(" | ") for line in page.split(HEAD)[1].strip().splitlines())
-    assert one[:5] == ["train", "pqn", "cpu", "1", "2"]
-    assert two[:5] == ["train", "pqn", "cpu", "2", "2"]
-    assert float(two[6].split()[0]) > 0
+    [line] = page.split(HEAD)[1].strip().splitlines()
+    assert line.startswith("| train | pqn | cpu | 2 | 2 | ")
     record = json.loads((study.out / "speed.json").read_text())
-    assert [each["processes"] for each in record] == [1, 2]
+    assert [each["processes"] for each in record] == [2]
 
 
 def test_processes_are_compared_with_one_within_each_round() -> None:
