@@ -14,10 +14,8 @@ CELL = 0.3
 
 
 @pytest.fixture(scope="module")
-def houses() -> Iterator[list[House]]:
-    """Yield homes on a grid. At the end a house without a grid resets the process's one Prolog engine."""
-    yield [house for rooms in (4, 8) for house in generate(rooms, grammar="home", cell=CELL, count=2)]
-    next(generate(1))
+def houses() -> list[House]:
+    return [house for rooms in (4, 8) for house in generate(rooms, grammar="home", cell=CELL, count=2)]
 
 
 def parts(house: House) -> Iterator[Rect]:

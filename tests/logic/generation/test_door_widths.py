@@ -50,6 +50,8 @@ def test_doors_are_as_wide_as_their_pair_of_types_says_either_way_round(tmp_path
             doors = tuple(narrow if each is door else each for each in house.doors)
             least = f"(at least {WIDTHS.get(pair, OTHERS):g})"
             assert any(least in each for each in check(structs.replace(house, doors=doors)))
+        if met == {*WIDTHS}:
+            break
     assert met == {*WIDTHS}
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from msgspec import structs
 
+from tests.logic.workers import in_process
 from vitruvius.logic import Unsatisfiable, check
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.grammar import SHIPPED, find
@@ -71,7 +72,7 @@ def test_a_wheelchair_turns_in_the_rooms_that_are_to_have_a_free_square(tmp_path
         assert check(house) == []
         for room in house.rooms:
             assert has_free_square(room, wanted.get(room.type, 0.0))
-    homes = houses(Builder(find("home")))
+    homes = houses(in_process.builder("home"))
     plain = (room for house in homes for room in house.rooms if room.type in wanted)
     assert not all(has_free_square(room, wanted[room.type]) for room in plain), "homes have them anyway"
 

@@ -9,7 +9,7 @@ import msgspec
 import pytest
 from clingo import Function, Number
 
-from tests.logic.workers.in_process import generate
+from tests.logic.workers.in_process import builder, generate
 from vitruvius.logic import House, LimitReached, Unsatisfiable, check
 from vitruvius.logic.generation.builder import Builder
 from vitruvius.logic.grammar import SHIPPED, find
@@ -162,7 +162,7 @@ def test_no_star_that_is_made_is_refuted_by_its_area(tmp_path: Path) -> None:
     """Facts about areas in stage 1, and in stage 2 before there is furniture, exclude no such house."""
     folder = edited(tmp_path / "mine", {}, "family")
     for rooms in (1, 2, 4, 7):
-        free = Builder(find("family"))  # One grammar at a time is loaded in a process.
+        free = builder("family")
         house, layout = free.house(HouseRequest(rooms), 1, rooms), free.origin
         atoms = [Function("room", [Number(each.number), each.type]) for each in layout.rooms]
         atoms += [Function("side", [Number(each.number), each.side]) for each in layout.rooms]
@@ -199,15 +199,15 @@ def test_a_limit_names_the_area_of_a_star_that_is_nearly_too_small(
     monkeypatch.setattr("vitruvius.logic.generation.star.MOST_AREAS", 3)
     folder = edited(tmp_path / "mine", {}, "family")
     (folder / "area.pl").write_text("house_area(40.0, 41.0).")
-    builder = Builder(find(folder))
+    made = Builder(find(folder))
     with pytest.raises(LimitReached) as error:
-        builder.house(HouseRequest(4), 0, 0)
+        made.house(HouseRequest(4), 0, 0)
     first, *_ = str(error.value).partition("Most were refuted by\n")[2].split("\n")
     assert first.endswith("area.pl:1:1: house_area(40.0, 41.0).")
     for stage in REMEDIES:
-        builder.account.begin()
-        builder.account.at(stage, "a house")
-        assert ("house_area/2" in str(builder.account)) == (stage in BY_AREA)
+        made.account.begin()
+        made.account.at(stage, "a house")
+        assert ("house_area/2" in str(made.account)) == (stage in BY_AREA)
 
 
 def test_a_house_that_its_area_does_not_allow_is_proved_impossible_by_that_line(tmp_path: Path) -> None:
