@@ -97,8 +97,8 @@ def test_keys_drive_the_body_one_step_for_each_hundredth_of_a_second(window: Gam
         0.5: (down, pygame.K_UP),
         0.6: (up, pygame.K_UP),
     }
-    press(window, keys)
-    assert window.play(game, 15.0, "plan")
+    press(window, keys, ended=1.0)
+    assert not window.play(game, 15.0, "plan")
     assert game.actions[0] == "L"
     assert game.actions.count("L") == 1
     assert 10 <= game.actions.count("F") <= 12
@@ -115,14 +115,14 @@ def test_a_key_of_turning_that_is_held_turns_again(window: GameWindow) -> None:
 
 def test_the_clock_starts_at_the_first_key_and_an_escape_ends_the_game(window: GameWindow) -> None:
     game = Game(HOUSES[0], "main", 0)
-    press(window, {20.0: (pygame.KEYDOWN, pygame.K_UP)}, frame=0.1, ended=21.0)
+    press(window, {20.0: (pygame.KEYDOWN, pygame.K_UP)}, frame=0.2, ended=21.0)
     assert not window.play(game, 15.0, "plan")
     assert 80 <= len(game.actions) <= 120
 
 
 def test_steps_are_as_fast_whatever_the_frames_are(window: GameWindow) -> None:
     lengths = []
-    for frame in (0.05, 0.2):
+    for frame in (0.1, 0.5):
         game = Game(HOUSES[0], "main", 0)
         press(window, {0.1: (pygame.KEYDOWN, pygame.K_UP)}, frame=frame)
         assert window.play(game, 15.0, "plan")
@@ -242,7 +242,7 @@ def test_the_command_plays_records_and_shows_again(
 
     def with_keys(window: GameWindow) -> None:
         made(window)
-        press(window, {0.1: (pygame.KEYDOWN, pygame.K_UP)}, frame=0.05, ended=16.0)
+        press(window, {0.1: (pygame.KEYDOWN, pygame.K_UP)}, frame=0.25, ended=16.0)
 
     monkeypatch.setattr(GameWindow, "__init__", with_keys)
     out = tmp_path / "games.jsonl"
