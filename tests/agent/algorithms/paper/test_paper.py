@@ -19,7 +19,6 @@ from vitruvius.sim.actions import FORWARD, LEFT, RIGHT
 E = 8
 PRESET = cast(PaperConfig, PRESETS["paper"])
 EIGHT = replace(PRESET, num_envs=E)
-SMALL = replace(EIGHT, episodes=None, steps=3500, buffer_size=2048, batch_size=64, num_minibatches=4)
 
 
 @pytest.fixture(scope="module")
@@ -117,29 +116,3 @@ def test_exploring_goes_forward_where_the_middle_rays_see_the_target_if_it_homes
     wanted = learner.preference(torch.zeros(E, 3), seen).argmax(-1)
     assert (wanted[: E // 2] == FORWARD).tolist() == [homing] * (E // 2)
     assert (wanted[E // 2 :] != FORWARD).all()
-
-
-def run(envs, config=SMALL, steps=None) -> Paper:
-    """Return a run to its end, or to the first report after ``steps`` steps."""
-    learner = Paper(config, envs)
-    for now in learner.train():
-        if steps and now.steps >= steps:
-            break
-    return learner
-
-
-def weights(learner: Paper) -> torch.Tensor:
-    return torch.cat([weight.detach().flatten() for weight in learner.network.parameters()])
-
-
-def test_a_run_that_was_stopped_goes_on_bit_for_bit(envs, tmp_path):
-    torch.save(run(envs, steps=2000).state(), tmp_path / "run.pt")
-    whole, resumed = run(envs), Paper(SMALL, envs)
-    resumed.restore(torch.load(tmp_path / "run.pt", weights_only=True))
-    assert 2000 <= resumed.steps < 3500
-    assert list(resumed.train())
-    assert (resumed.steps, resumed.updates, resumed.episodes) == (whole.steps, whole.updates, whole.episodes)
-    assert whole.updates >= 100
-    assert torch.isfinite(weights(whole)).all()
-    assert torch.equal(weights(resumed), weights(whole))
-    assert torch.equal(resumed.replay.data["s"], whole.replay.data["s"])

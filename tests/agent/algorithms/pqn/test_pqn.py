@@ -135,28 +135,6 @@ def learner_of(envs, **changes) -> PQN:
     return PQN(PQNConfig(num_envs=E, num_steps=8, steps=2000, **changes), envs)
 
 
-def weights(learner: PQN) -> torch.Tensor:
-    return torch.cat([weight.detach().flatten() for weight in learner.network.parameters()])
-
-
-@pytest.mark.parametrize("changes", [{}, RECURRENT], ids=["feedforward", "recurrent"])
-def test_a_run_that_was_stopped_goes_on_bit_for_bit(envs, tmp_path, changes):
-    whole = learner_of(envs, **changes)
-    expected = [now.targets for now in whole.train()]
-    stopped = learner_of(envs, **changes)
-    for now in stopped.train():
-        if now.steps > 900:
-            break
-    torch.save(stopped.state(), tmp_path / "state.pt")
-    resumed = learner_of(envs, **changes)
-    resumed.restore(torch.load(tmp_path / "state.pt", weights_only=True))
-    assert 900 < resumed.steps < 2000
-    again = [now.targets for now in resumed.train()]
-    assert again == expected[-len(again) :]
-    assert torch.equal(weights(resumed), weights(whole))
-    assert torch.equal(resumed.rollout.s, whole.rollout.s)
-
-
 def test_a_run_of_another_config_algorithm_or_bank_cannot_go_on(envs):
     state = learner_of(envs).state()
     with pytest.raises(RequestError, match="q_lambda, seed"):
