@@ -3,7 +3,6 @@
 import ast
 import re
 import sys
-from collections.abc import Iterator
 from functools import cache
 from graphlib import TopologicalSorter
 from pathlib import Path
@@ -125,30 +124,35 @@ def place(name: str) -> tuple[str, str]:
     return first, parts[0] if parts else ""
 
 
-def named(file: Path, strings: bool) -> Iterator[str]:
-    """Yield the modules of our packages that a file names.
+@cache
+def named(file: Path) -> tuple[frozenset[str], frozenset[str]]:
+    """Return the modules of our packages that a file imports, and those that it names in strings.
 
-    It names them by imports, also inside functions. With ``strings`` it also names them in strings, as a
-    table of commands or sections does: ``"vitruvius.agent.report.plans:section"``.
+    Imports count inside functions, too. A table of commands or sections names modules in strings:
+    ``"vitruvius.agent.report.plans:section"``.
     """
-    known = modules()
+    known, imported, said = modules(), set[str](), set[str]()
     for node in ast.walk(ast.parse(file.read_text())):
         if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names if alias.name in known)
+            imported |= {alias.name for alias in node.names if alias.name in known}
         elif isinstance(node, ast.ImportFrom) and node.module in known:
             for alias in node.names:
                 within = f"{node.module}.{alias.name}"
-                yield within if within in known else node.module
-        elif strings and isinstance(node, ast.Constant) and isinstance(node.value, str):
+                imported.add(within if within in known else node.module)
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
             name, colon, _ = node.value.partition(":")
             if colon and name in known:
-                yield name
+                said.add(name)
+    return frozenset(imported), frozenset(said)
 
 
 @cache
 def graph(strings: bool = True) -> dict[str, frozenset[str]]:
-    """Return the modules of ours that each module names."""
-    return {name: frozenset(set(named(file, strings)) - {name}) for name, file in modules().items()}
+    """Return the modules of ours that each module imports, and with ``strings`` those that it names."""
+    found = {name: named(file) for name, file in modules().items()}
+    return {
+        name: (imported | said if strings else imported) - {name} for name, (imported, said) in found.items()
+    }
 
 
 def test_no_module_imports_itself_through_others() -> None:

@@ -182,8 +182,8 @@ ASCII = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
 
 
 def test_names_are_read_and_written_without_a_locale(folder: Path) -> None:
-    shutil.copytree(SHIPPED / "home", folder / "Küche")
-    words = ["generate", "--grammar", "Küche", "--rooms", "4", "--out", "Häuser.jsonl"]
+    shutil.copytree(SHIPPED / "family", folder / "Küche")
+    words = ["generate", "--grammar", "Küche", "--rooms", "1", "--out", "Häuser.jsonl"]
     made = subprocess.run(
         [sys.executable, "-m", "vitruvius.cli", *words],
         cwd=folder,
@@ -198,7 +198,7 @@ def test_names_are_read_and_written_without_a_locale(folder: Path) -> None:
 
 def test_names_that_are_no_utf_8_are_said_and_answered(folder: Path) -> None:
     name = b"K\xfcche"
-    shutil.copytree(SHIPPED / "home", os.fsdecode(os.fsencode(folder) + b"/" + name))
+    shutil.copytree(SHIPPED / "family", os.fsdecode(os.fsencode(folder) + b"/" + name))
     for words in (["check", name + b".jsonl"], ["generate", "--rooms", "4", "--grammar", name]):
         made = subprocess.run(
             [sys.executable, "-m", "vitruvius.cli", *words, "--json"],
