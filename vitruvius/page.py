@@ -66,7 +66,7 @@ def _grouped_rows(options: Iterable[Option]) -> Iterator[tuple[str, str]]:
         if title not in ("", "Options"):
             yield f"**{title}**", ""
         for option in members:
-            yield f"`{option_name(option)}`", sentence(option)
+            yield f"`{option_name(option)}`", option.help + _hints(option)
 
 
 def _description(option: Option) -> tuple[str, str]:
@@ -76,8 +76,12 @@ def _description(option: Option) -> tuple[str, str]:
 
 def _mention(option: Option) -> str:
     """Return the name of a shared option, with its default in this command."""
-    default = sentence(option).removeprefix(option.help)
-    return f"`{option.flag}`{default}"
+    return f"`{option.flag}`{_hints(option)}"
+
+
+def _hints(option: Option) -> str:
+    """Return what the help adds to an option's description, with the default as code."""
+    return re.sub(r"(?<=default: )(.+)(?=\)$)", r"`\1`", sentence(option).removeprefix(option.help))
 
 
 def _rows(head: str, rows: Iterable[tuple[str, str]]) -> Iterator[str]:

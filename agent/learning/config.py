@@ -155,7 +155,7 @@ class QLearningConfig(TrainConfig):
     sightings."""
 
     module: str = ""
-    """Your own torch.nn.Module, module:Class, in place of the built-in network. Vitruvius creates it with the
+    """Your own torch.nn.Module, module:Class, instead of the built-in network. Vitruvius creates it with the
     numbers of rays, channels, remembered signals and actions, and calls it with observations and memories."""
 
     gamma: float = 0.99

@@ -12,13 +12,10 @@ pytestmark = pytest.mark.second_part("all commands of pages are run, and the sit
 MAX_WORDS = 35
 """Largest number of words of a sentence."""
 
-MADE = {"docs/command-line.md", "docs/studies.md"}
-"""Pages that are made from docstrings."""
-
 OPENING = re.compile(r"(What|Whether|Where|Which|Who|How|Of|That|If)\b")
 PAGES = [ROOT / f"{name}.md" for name in ("README", "ARCHITECTURE", "CONTRIBUTING", "SECURITY")]
 PAGES += sorted((ROOT / "docs").rglob("*.md"))
-NAMES = [name for page in PAGES if (name := page.relative_to(ROOT).as_posix()) not in MADE]
+NAMES = [page.relative_to(ROOT).as_posix() for page in PAGES]
 
 
 def banned() -> list[str]:

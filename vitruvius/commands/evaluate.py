@@ -50,7 +50,7 @@ class Evaluate:
     agents, the command evaluates the references alone."""
 
     houses: Streamed = Path(banks.NAME)
-    """Houses to evaluate on: a frozen bank of 256, test-v1 (family, 2 to 6 rooms), home-test-v1 (home, 4 to
+    """Houses to evaluate on: a held-out set of 256, test-v1 (family, 2 to 6 rooms), home-test-v1 (home, 4 to
     10 rooms), large-test-v1 or home-large-test-v1 (8 to 12), the paper's house, paper-house, or a house file.
     An object goal is played in the houses that have the furniture, with free floor next to it."""
 
