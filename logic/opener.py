@@ -52,6 +52,9 @@ _NO_BRACKETS = bytes(set(range(256)) - set(b"[]{}"))
 _PLAIN_MEMBERS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 """Compression methods that are read. Other methods may take as much memory as an archive requests."""
 
+FLAGS = sum(getattr(os, name, 0) for name in ("O_NONBLOCK", "O_NOCTTY", "O_CLOEXEC", "O_BINARY"))
+"""Flags for reading that wait for no pipe and take no terminal; the last is of Windows."""
+
 
 def opened(path: str | Path, most: int, *, unpack: bool = True) -> BinaryIO:
     """Open a regular file of at most ``most`` bytes, or the standard input, which may be a pipe.
@@ -63,8 +66,8 @@ def opened(path: str | Path, most: int, *, unpack: bool = True) -> BinaryIO:
     if Path(path) == STANDARD:
         file = io.BufferedReader(io.FileIO(sys.stdin.fileno(), closefd=False))
     else:
-        # These flags wait for no pipe and take no terminal. Confinement denies calls that ``open`` makes.
-        number = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC)
+        # Confinement denies calls that ``open`` makes.
+        number = os.open(path, FLAGS)
         try:
             _require_bounded(os.fstat(number), path, most)
         except OSError:

@@ -22,8 +22,14 @@ class Terminated(KeyboardInterrupt):
         super().__init__("terminated")
 
 
-ENDS = {signal.SIGTERM: Terminated, signal.SIGHUP: Terminated, signal.SIGINT: KeyboardInterrupt}
+ENDS = {signal.SIGTERM: Terminated, signal.SIGINT: KeyboardInterrupt}
 """Exception for each signal."""
+
+HAS_ALARM = hasattr(signal, "setitimer")
+"""True on POSIX, which has SIGHUP, too; False on Windows."""
+
+if HAS_ALARM:
+    ENDS[signal.SIGHUP] = Terminated
 
 
 @contextmanager
@@ -46,7 +52,7 @@ def heeded_after(seconds: float = 2.0) -> Iterator[None]:
     If the reader does not take the line, the signal acts after ``seconds``. A second signal acts at once.
     """
     before = {number: act for number in ENDS if callable(act := signal.getsignal(number))}
-    if threading.current_thread() is not threading.main_thread() or not before:
+    if threading.current_thread() is not threading.main_thread() or not before or not HAS_ALARM:
         yield
         return
     came: list[int] = []
@@ -91,7 +97,7 @@ def _at(number: signal.Signals, act: Callable[[], object], then: Any) -> Iterato
     def heed(_: int, frame: FrameType | None) -> None:
         nonlocal importing
         signal.signal(number, then)
-        if importing := _imports(frame):
+        if importing := HAS_ALARM and _imports(frame):
             signal.signal(signal.SIGALRM, heed)
             signal.setitimer(signal.ITIMER_REAL, AGAIN_S)
         act()
@@ -105,7 +111,8 @@ def _at(number: signal.Signals, act: Callable[[], object], then: Any) -> Iterato
             act()
         raise
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
+        if HAS_ALARM:
+            signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(number, before)
 
 

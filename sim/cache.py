@@ -32,7 +32,7 @@ def provide() -> bool:
         return True
     own = Path(temporary) / f"vitruvius-{os.getuid() if hasattr(os, 'getuid') else 0}"
     os.environ[VARIABLE] = str(own)
-    return _writable(own) and own.stat().st_uid == os.getuid()
+    return _writable(own) and (not hasattr(os, "getuid") or own.stat().st_uid == os.getuid())
 
 
 def _writable(folder: Path) -> bool:

@@ -1,6 +1,5 @@
 """Checks before a command overwrites files, so that houses are never lost and no old picture remains."""
 
-import fcntl
 import os
 import re
 from collections.abc import Iterable, Iterator, Sequence
@@ -13,6 +12,11 @@ from vitruvius.logic.files.house_files import load
 from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.house.house import House
 from vitruvius.logic.house.parts import Provenance
+
+try:
+    import fcntl
+except ModuleNotFoundError:  # on Windows
+    fcntl = None  # pyright: ignore[reportAssignmentType]
 
 DRAWN_BY = b"drawn by vitruvius"
 """Text in every picture file."""
@@ -94,6 +98,8 @@ def lock_alone(file: int, busy: str) -> None:
 
     Raises ``RequestError`` with the text ``busy`` if another process has locked it.
     """
+    if fcntl is None:
+        return
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
@@ -110,7 +116,7 @@ def alone_in(folder: Path) -> Iterator[None]:
     """
     is_new = not folder.exists()
     folder.mkdir(parents=True, exist_ok=True)
-    held = os.open(folder, os.O_RDONLY)
+    held = os.open(folder if fcntl else os.devnull, os.O_RDONLY)  # Windows opens no folder
     try:
         lock_alone(held, f"{folder}: another command is drawing to this folder: wait, or choose another")
         yield

@@ -4,7 +4,6 @@ A damaged file may end the process. ``ifc.py`` writes the file to it, and reads 
 """
 
 import re
-import resource
 import sys
 from collections import Counter
 from collections.abc import Iterator
@@ -17,6 +16,11 @@ from shapely import Polygon
 
 from vitruvius.logic.errors import RequestError
 from vitruvius.logic.readers.sketch import chosen
+
+try:
+    import resource
+except ModuleNotFoundError:  # on Windows
+    resource = None  # pyright: ignore[reportAssignmentType]
 
 MAX_MEMORY_BYTES, MAX_CPU_SECONDS = 4 << 30, 60
 """Largest address space, bytes, and processor time, seconds, of this process, as for a solver process."""
@@ -179,8 +183,9 @@ def _outline(solid: Triangles) -> shapely.Geometry:
 
 def main() -> None:
     """Read a file from the standard input and write its solids, within the limits of this process."""
-    resource.setrlimit(resource.RLIMIT_AS, (MAX_MEMORY_BYTES, MAX_MEMORY_BYTES))
-    resource.setrlimit(resource.RLIMIT_CPU, (MAX_CPU_SECONDS, MAX_CPU_SECONDS))
+    if resource is not None:
+        resource.setrlimit(resource.RLIMIT_AS, (MAX_MEMORY_BYTES, MAX_MEMORY_BYTES))
+        resource.setrlimit(resource.RLIMIT_CPU, (MAX_CPU_SECONDS, MAX_CPU_SECONDS))
     try:
         found = solids(sys.stdin.buffer.read(), *sys.argv[1:])
     except RequestError as error:

@@ -17,15 +17,20 @@ import ctypes
 import errno
 import os
 import platform
-import resource
 import struct
 import sys
 import time
 from collections.abc import Iterable, Iterator
 from math import ceil
 from pathlib import Path
+from typing import Any
 
 from vitruvius.logic.errors import LimitReached
+
+try:
+    import resource
+except ModuleNotFoundError:  # on Windows
+    resource = None  # pyright: ignore[reportAssignmentType]
 
 FILES = 16
 """Number of files that a solver process must be able to open at once; solver processes open up to 13."""
@@ -53,7 +58,7 @@ sched_yield 24 124   sched_getaffinity 204 123
 """Permitted system calls: name, number on x86-64, number on ARM64."""
 
 ALL, SELF = 0xFFFFFFFF, -1
-WRITES = os.O_ACCMODE | os.O_CREAT | os.O_TRUNC
+WRITES = getattr(os, "O_ACCMODE", 3) | os.O_CREAT | os.O_TRUNC
 THREAD, DUPLICATE, IS_TERMINAL = 0x00010000, 1030, 0x5401  # CLONE_THREAD, F_DUPFD_CLOEXEC, TCGETS
 
 CONDITIONS = {
@@ -80,7 +85,7 @@ ALLOW, UNKNOWN = 0x7FFF0000, 0x00050000 | errno.ENOSYS
 CREATE_RULESET, ADD_RULE, RESTRICT_SELF = 444, 445, 446
 READ = 1 << 2 | 1 << 3  # files, folders
 
-_libc = ctypes.CDLL(None, use_errno=True)
+_libc: Any = None if sys.platform == "win32" else ctypes.CDLL(None, use_errno=True)
 
 
 def measures() -> dict[str, bool]:
@@ -88,7 +93,7 @@ def measures() -> dict[str, bool]:
     _, _, seccomp = _machine()
     errors = ctypes.c_uint32(UNKNOWN & 0xFFFF0000)
     return {
-        "limits": True,
+        "limits": resource is not None,
         "seccomp": bool(seccomp) and _libc.syscall(seccomp, 2, 0, ctypes.byref(errors)) == 0,
         "landlock": _landlock_version() > 0,
     }
@@ -119,6 +124,8 @@ def confine(readable: Iterable[Path]) -> None:
 
 def limit() -> None:
     """Limit the memory and the file sizes of this process."""
+    if resource is None:
+        return
     wanted = {resource.RLIMIT_AS: MEMORY, resource.RLIMIT_FSIZE: 0, resource.RLIMIT_CORE: 0}
     for which, most in wanted.items():
         hard = resource.getrlimit(which)[1]
@@ -132,6 +139,8 @@ def require_files() -> None:
 
     The solvers report a library that they cannot open as a rule that cannot be solved.
     """
+    if resource is None:
+        return
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     if soft < FILES <= hard:
         resource.setrlimit(resource.RLIMIT_NOFILE, (FILES, hard))
@@ -143,6 +152,8 @@ def require_files() -> None:
 
 def allow_seconds(seconds: float) -> None:
     """Let the kernel end this process by SIGXCPU after ``seconds`` more of processor time."""
+    if resource is None:
+        return
     _, hard = resource.getrlimit(resource.RLIMIT_CPU)
     most = ceil(time.process_time() + seconds)
     resource.setrlimit(
@@ -155,8 +166,8 @@ def require_seconds() -> None:
 
     In this case the limit, and perhaps no rule, ends the solver processes.
     """
-    _, hard = resource.getrlimit(resource.RLIMIT_CPU)
-    if hard != resource.RLIM_INFINITY:
+    hard = resource.getrlimit(resource.RLIMIT_CPU)[1] if resource else None
+    if resource and hard != resource.RLIM_INFINITY:
         raise LimitReached(
             f"a solver process has {hard} s of processor time here and needed more: raise it by ulimit -t"
         )

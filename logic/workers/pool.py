@@ -30,7 +30,8 @@ class Idle:
         self.forget()
         atexit.register(self.end)
         # A forked child copies the pipes, but the processes answer only its parent.
-        os.register_at_fork(after_in_child=self.forget)
+        if hasattr(os, "register_at_fork"):
+            os.register_at_fork(after_in_child=self.forget)
 
     def forget(self) -> None:
         """Begin again without processes, and leave the old ones running."""

@@ -18,7 +18,14 @@ from typing import TypeVar
 import msgspec
 from msgspec.structs import replace
 
-from vitruvius.logic.errors import GrammarError, Killed, LimitReached, VitruviusError, from_record
+from vitruvius.logic.errors import (
+    GrammarError,
+    Killed,
+    LimitReached,
+    MissingProgram,
+    VitruviusError,
+    from_record,
+)
 from vitruvius.logic.layout.account import GROUNDING, LAYOUT, MAX_LISTED, PROOF
 from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.workers.messages import (
@@ -67,6 +74,9 @@ SCARCE = {errno.EMFILE, errno.ENFILE, errno.EAGAIN, errno.ENOMEM}
 ENVIRONMENT = {"LC_ALL": "C.UTF-8", "PYTHONUTF8": "1"}
 """Settings that make rule files UTF-8 in every language of the user."""
 
+WSL = "on Windows install Vitruvius in WSL 2 (wsl --install)"
+"""Advice for a system whose pipes and process groups are others."""
+
 START = """
 import sys
 from importlib.util import module_from_spec, spec_from_file_location
@@ -107,6 +117,8 @@ class Solver:
         self._step: VitruviusError | None = None
         self._helper: Solver | None = None
         self._easing = False
+        if not hasattr(os, "killpg"):
+            raise MissingProgram(f"rules are solved on Linux and macOS: {WSL}")
         package, path = Path(__file__).parents[2] / "__init__.py", os.environ.get("PYTHONPATH", "")
         try:
             # In a new session: Ctrl-C goes only to the parent, which then ends the worker.

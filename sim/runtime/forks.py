@@ -8,7 +8,8 @@ from vitruvius.sim.tracing import compiler
 stranded = threading.Event()
 """Set in a fork of a process in which Taichi ran, because a fork lacks Taichi's threads."""
 
-os.register_at_fork(after_in_child=lambda: stranded.set() if compiler.program() else None)
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=lambda: stranded.set() if compiler.program() else None)
 
 
 def require_threads() -> None:

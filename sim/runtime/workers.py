@@ -16,7 +16,7 @@ def spread(started: list[int], workers: int | None) -> None:
     are pinned only if there is one for each processor; otherwise programs would crowd on the first
     processors.
     """
-    if not started:
+    if not started or not hasattr(os, "sched_setaffinity"):
         return
     processors = sorted(os.sched_getaffinity(0))
     if 1 < len(processors) == (workers or os.cpu_count()):
