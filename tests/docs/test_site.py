@@ -29,7 +29,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Build the site as ``./run site`` does after the demo, with the report of a run of one house."""
     run = tmp_path_factory.mktemp("docs")
     save(generate(rooms=2), run / "houses.jsonl")
-    write_report(run, None, {})
+    write_report(run)
     built = finished([*BUILD, "--out", str(run / "site"), "--run", str(run)])
     assert (built.returncode, built.stdout) == (0, ""), built.stderr
     index, folder = run / "site" / "index.html", run / "site"
