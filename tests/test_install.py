@@ -2,6 +2,7 @@
 
 import os
 import re
+import shlex
 import shutil
 import socket
 import subprocess
@@ -93,6 +94,25 @@ def test_the_extra_sim_makes_environments_without_torch(
     ended = alone(site, own, "first_step.py")
     assert ended.stdout == block[2], ended.stderr
     assert not (site / "torch").exists()
+
+
+@pytest.mark.parametrize(
+    ("extra", "command"),
+    [
+        ("agent", '-c "import vitruvius.demo, vitruvius.commands.evaluate"'),
+        ("pdf", "-m vitruvius.cli draw HOUSES --format pdf"),
+        ("export", "-m vitruvius.cli convert HOUSES --to usd --out usd"),
+        ("export", "-m vitruvius.cli convert HOUSES --to gltf --out gltf"),
+        ("data", "-m vitruvius.cli generate --rooms 1 --count 1 --shard all/1 --out set"),
+    ],
+)
+def test_an_extra_has_the_packages_of_its_part(
+    installed: Path, own: Path, tmp_path_factory: pytest.TempPathFactory, extra: str, command: str
+) -> None:
+    site = environment(tmp_path_factory.mktemp(extra) / "site", installed, extra)
+    words = shlex.split(command.replace("HOUSES", str(ROOT / "tests/fixtures/houses.jsonl")))
+    ended = alone(site, own, *words)
+    assert ended.returncode == 0, ended.stderr
 
 
 def test_without_its_extra_a_part_of_the_package_names_what_adds_it(base: Path, own: Path) -> None:
