@@ -29,7 +29,7 @@ for name in ("O_ACCMODE", "O_CLOEXEC", "O_NOCTTY", "O_NONBLOCK", "geteuid", "get
 for name in ("SIGALRM", "SIGHUP", "SIGXCPU", "setitimer"):
     delattr(signal, name)
 """
-"""What a system without POSIX lacks, as modules that Python imports as it starts (``sitecustomize``)."""
+"""Module ``sitecustomize``, which Python imports as it starts: removes what a system without POSIX lacks."""
 
 COMMANDS = f"""
 from vitruvius.cli import main
