@@ -119,7 +119,7 @@ export function misspeltName(own, lengths, { table }) {
     if (borrowed.has(places[0].file)) continue; // The grammar may lack what a shipped file names.
     const isOnce = places.length === 1;
     if ((lines.has(name) && !near) || (isOnce && tables.some(({ args }) => args.some((each) => new RegExp(`\\b${name}\\b`).test(each))))) continue;
-    if (isOnce || !stated.has(name)) return { ...places[0], isNear: near !== "", why: `${name} stands ${isOnce ? "nowhere else" : "in no fact or head"}${near}` };
+    if (isOnce || !stated.has(name)) return { ...places[0], isNear: near !== "", why: `${name} ${isOnce ? "occurs nowhere else" : "stands in no fact or head"}${near}` };
   }
   return null;
 }
