@@ -13,6 +13,8 @@ from vitruvius.cli import main
 from vitruvius.logic import GrammarError, GrammarWarning, generate, lint
 from vitruvius.logic.grammar import SHIPPED, find, shipped
 from vitruvius.logic.language import linter
+from vitruvius.logic.language.asp.statements import place
+from vitruvius.logic.language.asp.vocabulary import Words, _core, core_words, words
 from vitruvius.logic.language.linter import findings
 from vitruvius.logic.language.loaded import LoadedGrammar
 from vitruvius.logic.layout.conditional import Source
@@ -173,6 +175,21 @@ def test_sizes_and_facts_of_pieces_that_no_room_has_are_warnings_and_change_noth
     with pytest.warns(GrammarWarning, match="piece_size: lamp is no piece in any room"):
         after = next(generate(rooms=3, grammar=folder))
     assert after.rooms == before.rooms
+
+
+@pytest.mark.parametrize("grammar", ["family", "home"])
+def test_the_words_of_the_core_that_are_read_as_text_are_those_of_its_syntax_trees(grammar: str) -> None:
+    topology = find(grammar).topology
+
+    def places(found: Words) -> list[list[tuple[object, list[tuple[str, int, int]]]]]:
+        kinds = found.derived, found.used, found.constants
+        return [
+            [(name, [place(use.statement.node) for use in uses]) for name, uses in kind.items()]
+            for kind in kinds
+        ]
+
+    by_text, by_trees = core_words(topology), words(_core(topology), core=Words())
+    assert (places(by_text), by_text.stated) == (places(by_trees), by_trees.stated)
 
 
 @pytest.mark.second_part("every grammar")
