@@ -7,6 +7,7 @@ conflict of stage 2. Therefore a test ends with a house or with the statements t
 import math
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from contextlib import suppress
 from functools import partial
 
 import numpy as np
@@ -17,7 +18,7 @@ from vitruvius.logic.generation.movable_doors import Refuted
 from vitruvius.logic.generation.question import Question
 from vitruvius.logic.grammar import Grammar
 from vitruvius.logic.layout.conditional import Source
-from vitruvius.logic.layout.program import HOUSE, Conflict
+from vitruvius.logic.layout.program import HOUSE, Conflict, Program, TooMany, of_one_house
 from vitruvius.logic.layout.programs import GIVEN_ROOM_CONSTANTS
 from vitruvius.logic.layout.relaxed import Relaxed, Statement
 from vitruvius.logic.layout.terms import (
@@ -105,6 +106,8 @@ class Feasibility:
     def is_furnishable(self, request: HouseRequest, type_: str, most: float = math.inf) -> bool:
         """Return True if a room of this type can have its requested furniture; see ``Question.layout``."""
         asked = type_, tuple(request.furniture_of(type_))
+        if asked not in self._furnishable and self._is_soon_furnished(request, type_):
+            self._furnishable[asked] = True
         if asked not in self._furnishable:
             question, statements = self.furniture(request, type_)
             if not Question(question.relaxed).possible(statements, most):
@@ -113,6 +116,31 @@ class Feasibility:
             else:
                 self._furnishable[asked] = question.possible(statements, most)
         return self._furnishable[asked]
+
+    def _is_soon_furnished(self, request: HouseRequest, type_: str) -> bool:
+        """Return True if the first layout of such a room fits: a program with all statements is small."""
+        facts = [fact for fact, _ in self._lengths[type_]]
+        required = [requirement for _, requirement in self._required(request, type_)]
+        program = Program(
+            self.grammar.asp,
+            {"this_room": type_},
+            [("room", []), ("capacity", []), *parts(facts), *parts(required)],
+            searching=of_one_house(0, is_bounded=True),
+            left_out=self.grammar.left_out,
+        )
+        with suppress(TooMany):
+            layout = program.sample(np.random.default_rng(0), map(granted, required))
+            return layout is not None and self._conflict(request, type_, layout, ()) is None
+        return False
+
+    def _required(self, request: HouseRequest, type_: str) -> list[tuple[Reason, Symbol]]:
+        """Return the requirements of a request for the pieces that a room type has, each with its choice."""
+        pieces = {fact.arguments[0].name for fact, _ in self._lengths[type_] if fact.name == "extent"}
+        return [
+            (option("--piece", name, request.furniture), requirements("has", {piece: wanted})[0])
+            for name, piece, wanted in request.furniture_of(type_)
+            if piece in pieces
+        ]
 
     def unfurnishable(self, request: HouseRequest, type_: str) -> tuple[Question, list[Statement]]:
         """Return ``furniture`` of a type that ``is_furnishable`` refuted, once without grounding it again."""
@@ -133,17 +161,9 @@ class Feasibility:
         The room is ``room`` of a plan, or a room of any size with one door. For ``laws`` see ``Relaxed``.
         """
         facts = [(fact, clause) for fact, clause in self._lengths[type_] if not room or fact.name != "reach"]
-        pieces = {fact.arguments[0].name for fact, _ in facts if fact.name == "extent"}
-        asked = [each for each in request.furniture_of(type_) if each[1] in pieces]
-        required = [
-            (option("--piece", name, request.furniture), *requirements("has", {piece: wanted}))
-            for name, piece, wanted in asked
-        ]
-        more = [
-            Function("more", [Function(piece), Number(min(least, MORE))])
-            for _, piece, (least, _) in asked
-            if least
-        ]
+        required = self._required(request, type_)
+        needed = [requirement.arguments for _, requirement in required if requirement.arguments[1].number]
+        more = [Function("more", [piece, Number(min(least.number, MORE))]) for piece, least, _ in needed]
         # The length of wall that a piece takes may depend on the wall, and so on a room of any size.
         size = () if room else (Function("size", [Function(type_)]),)
         lengths = self._stated(
