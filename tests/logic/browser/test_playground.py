@@ -14,8 +14,9 @@ from playwright.sync_api import Page, expect
 from tests.browsing import answered_under_the_finger, box, cut_on_paper, findings, line_is_seen, too_wide
 from tests.docs.reader import ROOT
 from tests.logic.browser.answers import answered
+from tests.logic.workers.in_process import generate
 from tests.programs import PATIENCE
-from vitruvius.logic import House, check, generate
+from vitruvius.logic import House, check
 from vitruvius.logic.browser.playground import folder
 from vitruvius.logic.browser.playground.server import listening
 from vitruvius.logic.errors import MissingProgram, RequestError, VitruviusError

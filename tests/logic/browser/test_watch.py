@@ -23,9 +23,9 @@ import pytest
 from playwright.sync_api import Browser, Page, Route, expect
 
 from tests.browsing import answered_under_the_finger, box, cut_on_paper, findings, line_is_seen, too_wide
+from tests.logic.workers.in_process import generate
 from tests.programs import PATIENCE
 from vitruvius.cli import main
-from vitruvius.logic import generate
 from vitruvius.logic.browser.watch.pool import PROCESSES, Pool, Spares, Stale
 from vitruvius.logic.drawing.canvas import svg
 from vitruvius.logic.drawing.draw import plan
