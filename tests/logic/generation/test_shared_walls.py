@@ -281,5 +281,5 @@ def test_pieces_that_a_request_asks_for_stand_in_a_plan_or_are_proved_impossible
     ]
     assert set(beds) == {2}
     with pytest.raises(Unsatisfiable) as error:
-        house_or_proof(home, HouseRequest.read({"rooms": 4, "furniture": {"bedroom.singleBed": 9}}), 0, 0)
+        house_or_proof(home, HouseRequest.read({"rooms": 4, "furniture": {"bedroom.singleBed": 3}}), 0, 0)
     assert "may(bedroom,singleBed,0,2)." in str(error.value)
