@@ -92,8 +92,9 @@ BANK = (
         meaning="rooms and pieces of each house: `sim/world/surroundings.py`",
         written="packing", read="terms, sensor", asked=lambda kind: kind.surveys,
     ),
+    ArrayRow("limit", ti.i32, (1,), meaning="steps of an episode", written="creation", read="episodes"),
 )  # fmt: skip
-"""Arrays of the houses, which a step only reads."""
+"""Arrays of the houses and the length of episodes, which a step only reads."""
 
 
 STATE = (

@@ -88,7 +88,7 @@ class Episodes(Observing):
         if ti.static(self.terms.targets > 0):
             terminated |= picked & ti.cast(now.found >= ti.static(self.terms.targets), ti.i32)
         # end
-        truncated = ti.cast(state.time >= ti.static(self.config.steps), ti.i32)
+        truncated = ti.cast(state.time >= world.limit[0], ti.i32)
         state.over = terminated | truncated
         if picked:
             if state.over:

@@ -34,6 +34,7 @@ class WorldKind:
     """
 
     config: Config
+    """The simulator's settings. Their ``steps`` are 1 in each kind: kernels read the array ``limit``."""
 
     mode: int = NEXT_STEP
     """Behaviour after an episode's end."""

@@ -77,7 +77,7 @@ class World:
         check_lengths(houses)
         self.config = backend.fit(config, houses)
         self.kind = WorldKind(
-            self.config,
+            replace(self.config, steps=1),  # kernels of all lengths of episodes are the same
             mode=mode,
             by_ray=by_ray,
             serial=num_envs <= FEW and not by_ray,
@@ -90,6 +90,7 @@ class World:
         self.kernels = kernels(start(), self.kind, backend)
         self.backend: Backend = self.kernels.backend
         self.arrays = {row.name: self._made(row) for row in self.kind.rows if "n" not in row.shape}
+        self.arrays["limit"].fill(np.array([self.config.steps], np.int32))
         self.launches: dict[str, Launch] = {}
         self.distances = Distances(self) if self.kind.knows_distance else None
         self.load(houses)
