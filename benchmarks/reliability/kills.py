@@ -13,7 +13,7 @@ import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -41,6 +41,9 @@ NEAR_SECONDS = 0.02
 
 POLL_SECONDS = 0.001
 """Time in seconds between two looks at a command."""
+
+EPISODE_STEPS = 300
+"""Steps of an episode of the command evaluate: the study judges the files that follow."""
 
 STREAMS = re.compile(r"metrics\.jsonl|events\.out\.tfevents\..*")
 """Files to which lines are added: a kill may truncate the last line, and readers skip it."""
@@ -126,6 +129,7 @@ def _started(words: str) -> int:
     import vitruvius.agent.report.folder
     import vitruvius.agent.runs.runs
     import vitruvius.logic.drawing.draw
+    from vitruvius.sim.config import PRESETS
 
     if process := os.fork():
         return process
@@ -135,9 +139,11 @@ def _started(words: str) -> int:
         for stream in (0, 1, 2):
             os.dup2(nothing, stream)
         vitruvius.agent.runs.runs.SAVE_SECONDS = 0.0
+        PRESETS["default"] = replace(PRESETS["default"], steps=EPISODE_STEPS)
         sys.argv = ["vitruvius", *words.split()]
         runpy.run_module("vitruvius.cli", run_name="__main__")
     except SystemExit as end:
+        sys.modules["vitruvius.sim.runtime"].ti.reset()  # stores its kernels, which other processes find
         os._exit(end.code if isinstance(end.code, int) else 1)
     finally:
         os._exit(70)

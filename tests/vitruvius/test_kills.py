@@ -29,7 +29,7 @@ def test_no_kill_tears_a_file(tmp_path: Path) -> None:
 
 
 def test_a_command_that_the_study_does_not_have_is_refused() -> None:
-    with pytest.raises(RequestError, match="--commands evaluat: there are convert, "):
+    with pytest.raises(RequestError, match="--commands evaluat: unknown command: choose from convert, "):
         kills.Kills(commands=("evaluat",)).run()
 
 
