@@ -8,13 +8,14 @@ constraints are linear (areas.pl), each with the atoms and clauses that make it.
 
     room(R,Type,sides(X1,X2,Y1,Y2),edges(West,East,North,South))     with its edge/3 atoms
 
-A wall on a line reaches from there to the east or south, as thick as an inner wall; what an outer one has more lies outside. The sides
-are the faces of its walls, so a room begins at X1 = Line+Thickness. The first rooms begin at (0,0).
+A wall on a line reaches from the line to the east or south, by the thickness of an inner wall. The rest of a thicker outer wall lies
+outside. The sides of a room are the faces of its walls, so a room begins at X1 = Line+Thickness. The first rooms begin at (0,0).
 
-Of a house of units, these are placed first, as rooms of the type `unit`, and then the rooms of each. What is Given says so:
+In a house of units, stage 2 places the units first, as rooms of the type `unit`, and then the rooms of each unit. Given has the places
+and sizes that are known before:
 
     at(Line,Place)                  this line is there: of a unit that has its place, the four lines of its outline
-    size(B,Axis,Depth,Low,High)     the unit B is so deep along the axis, and from Low to High along the other one
+    size(B,Axis,Depth,Low,High)     the unit B is Depth long along the Axis, and Low to High long along the other axis
 */
 
 :- use_module(library(apply)).
@@ -38,8 +39,9 @@ Of a house of units, these are placed first, as rooms of the type `unit`, and th
 %!  walls_placed(+Atoms, +Given, +Proof, -Answer)// is det.
 %
 %   Answer is plan(Rooms,Doors,Windows), a random solution (openings.pl), or infeasible(Reasons), proved in rational
-%   arithmetic; the reasons are those of a minimal conflict where Proof is `minimal`. Without `thorough` among the Atoms, a part of the
-%   sizes that areas allow is left out. With `thorough` or a brief, Answer may be open(Reasons): neither was found.
+%   arithmetic; the reasons are those of a minimal conflict where Proof is `minimal`. Without `thorough` among the Atoms, the
+%   System excludes some sizes that areas allow. With `thorough` or a brief, Answer may be open(Reasons): neither a plan nor a proof
+%   was found.
 
 walls_placed(Atoms, _, _, Answer)         --> { memberchk(thorough, Atoms) }, !, thoroughly_placed(Atoms, Answer).
 walls_placed(Atoms, _, Proof, Answer)     --> { of_brief(Atoms) }, !, brief_placed(Atoms, Proof, Answer).
@@ -47,8 +49,8 @@ walls_placed(Atoms, Given, Proof, Answer) -->
     { whole_system(Atoms, Given, Plan, System) },
     plan_placed(Atoms, Plan, System, Proof, Answer).
 
-%   plan_placed(+Atoms, +Plan, +System, +Proof, -Answer)//: CLP(R) is quick, but rounds, so that it may miss a solution. Therefore rational
-%   arithmetic confirms a conflict, and samples where it finds none.
+%   plan_placed(+Atoms, +Plan, +System, +Proof, -Answer)//: CLP(R) is quick, but it rounds, so it may miss a solution. Then rational
+%   arithmetic proves a conflict, or samples a plan if there is no conflict.
 
 plan_placed(Atoms, Plan, System, _, Answer) -->
     plan_sample(real-3, Atoms, Plan, System), !,
@@ -132,7 +134,7 @@ plan_boxes(Atoms, Lines, Rooms, [room(outline,none,sides(West,East,North,South),
 
 outline_place(Lines, Side, X) :- memberchk(outline(Side)-X, Lines).
 
-%   chosen_step(+Items, -Step): a reason of the widths that stage 1 has chosen.
+%   chosen_step(+Items, -Step): Step is an atom by which stage 1 has chosen a bound of an item's width.
 
 chosen_step(Items, Step) :- member(Item, Items), item_range(Item, from(_,Low)-upto(_,High)), ( member(Step, Low) ; member(Step, High) ).
 
@@ -163,8 +165,8 @@ refuted(Conflict, infeasible(Reasons)) :-
 
 %!  wall_system(+Atoms, +Given, -Plan, -System) is det.
 %
-%   Plan is plan(Lines,Rooms): Lines are Name-Place of all lines, Rooms those of the house, or its units. System are all constraints of
-%   the plan. Those with the fewest unknowns come first, since CLP(R) is least often wrong in that order.
+%   Plan is plan(Lines,Rooms): Lines has Name-Place for each line; Rooms has the rooms of the house and its units. System has all
+%   constraints of the plan. Constraints with the fewest unknowns come first, since CLP(R) is least often wrong in that order.
 
 wall_system(Atoms, Given, plan(Lines,All), System) :-
     findall(Line, member(edge(_,_,Line), Atoms), Names0), sort(Names0, Names),
@@ -187,7 +189,7 @@ wall_system(Atoms, Given, plan(Lines,All), System) :-
     fewest_unknowns_first(Constraints, System).
 
 %   outline_box(+Places, +Thickness, -Box): Box is box(West,East,North,South), the inner faces of the outer walls. The first rooms begin at
-%   0, so an unknown line in the west or north is a wall's thickness before it.
+%   0, so the west or north line of the outline, if it is unknown, lies one thickness before 0.
 
 outline_box(Places, T, box(West,East,North,South)) :-
     maplist(get_assoc_of(Places), [outline(west),outline(east),outline(north),outline(south)], [West0,East,North0,South]),
@@ -209,7 +211,7 @@ rooms_within(Atoms, Box, Rooms, Constraints, More) :-
 within(box(West,East,North,South), room(_,_,sides(X1,X2,Y1,Y2),edges(W,E,N,S)), Constraints,
        [(West =< X1)-[bounded,W],(X2 =< East)-[bounded,E],(North =< Y1)-[bounded,N],(Y2 =< South)-[bounded,S]|Constraints]).
 
-%   court_between(+Places, +Court, +Constraints, -More): a narrower court is a slit.
+%   court_between(+Places, +Court, +Constraints, -More): a court is at least 0.5 m wide between its walls; a narrower one is a slit.
 
 court_between(Places, court(L,M), Constraints, [(X+Apart =< Y)-[court(L,M)]|Constraints]) :-
     get_assoc(L, Places, X), get_assoc(M, Places, Y), !,
@@ -229,13 +231,13 @@ get_assoc_of(Places, Line, X) :- get_assoc(Line, Places, X).
 
 first_unless_known(X) :- ( var(X) -> length_of(inner_wall, T), X is 0.0 - T ; true ).
 
-%   thickness(-T, -Constraints): of inner walls. It is an unknown, so that a conflict says whether it takes the thickness.
+%   thickness(-T, -Constraints): T is the thickness of inner walls. It is an unknown, so that a conflict names it only if it matters.
 
 thickness(T, Constraints) :-
     length_of(inner_wall, Thick),
     ( Thick =:= 0 -> T = 0, Constraints = [] ; Constraints = [(T = Thick)-[length(inner_wall)],(0 =< T)-[]] ).
 
-%   thickness_of(+Rooms, -T): the unknown.
+%   thickness_of(+Rooms, -T): T is the unknown thickness of inner walls, or 0.
 
 thickness_of([room(_,_,sides(X,_,_,_),_)|_], T) :- ( compound(X), X = _+T0 -> T = T0 ; T = 0 ).
 
@@ -253,7 +255,7 @@ placed_rooms(Types, Atoms, Places, T, Rooms) :-
 
 placed_voids(Atoms, Places, T, Voids) :- findall(void-V, member(void(V), Atoms), Free), placed_rooms(Free, Atoms, Places, T, Voids).
 
-%   unit_sizes(+Given, +Atoms, +Units, -Constraints): the size of each unit, because of it and its place.
+%   unit_sizes(+Given, +Atoms, +Units, -Constraints): the size of each unit. The reasons are the unit's atom and its edges.
 
 unit_sizes([], _, _, []).
 unit_sizes([size(B,Axis,Depth,Low,High)|Given], Atoms, Units, [(D = Depth)-Why,(Low =< W)-Why,(W =< High)-Why|Constraints]) :-
@@ -290,8 +292,8 @@ unknowns(Constraint-_, Count) :- term_variables(Constraint, Variables), length(V
 
 %!  unit_range(+Atoms, +Axis, +Depth, +Proof, -Answer) is det.
 %
-%   Answer is range(Low,High), how long a unit with these rooms may be along the other axis where it is this deep along
-%   the Axis: anything between is possible. Or infeasible(Reasons), as in walls_placed//4.
+%   The unit has these rooms and this Depth along the Axis. Answer is range(Low,High): along the other axis the unit can have any length
+%   from Low to High. Or Answer is infeasible(Reasons), as in walls_placed//4.
 
 unit_range(Atoms, Axis, Depth, Proof, Answer) :-
     ( Axis == x -> Deep = outline(east), Long = outline(south) ; Deep = outline(south), Long = outline(east) ),
@@ -309,8 +311,8 @@ unit_range(Atoms, Axis, Depth, Proof, Answer) :-
 all_rooms([], _)             --> [].
 all_rooms([Room|Rooms], Atoms) --> { room_size_constraints(Room, Atoms, Constraints) }, because(Constraints), all_rooms(Rooms, Atoms).
 
-%   all_voids(+Voids, +Atoms)//: a void is at least a metre long both ways, and of a size that the grammar may state as if it were a
-%   room of the type `void`; with a brief, its lines say of which size.
+%   all_voids(+Voids, +Atoms)//: a void is at least a metre wide and deep. The grammar may state its size, by room_size/3 of the type
+%   `void`. With a brief, the lines of the brief state the size instead.
 
 all_voids([], _) --> [].
 all_voids([room(V,void,sides(X1,X2,Y1,Y2),edges(West,East,North,South))|Voids], Atoms) -->
@@ -336,8 +338,8 @@ room_size_constraints(Room, Atoms, Constraints) :-
     W0 = W, D0 = D,
     ( memberchk(runs(_,_), Own), \+ always_longer(T) -> Constraints = [(W =< D)-Both|Sizes] ; Constraints = Sizes ).
 
-%   all_same_sizes(+Atoms, +Rooms)//: those of each type of which grammars say so are as wide and as deep as the next one. Across and
-%   along they are compared where the type is oblong.
+%   all_same_sizes(+Atoms, +Rooms)//: each room of a type with same_size/1 is as wide and as deep as the next room of that type. For an
+%   oblong type, the length across is the width and the length along is the depth.
 
 all_same_sizes(Atoms, Rooms) -->
     { findall(T, member(same_size(T), Atoms), Types), maplist(room_sized(Atoms), Rooms, Sized) },
@@ -358,8 +360,9 @@ each_as_next([sized(T,W1,D1,Own1,Across1,Along1),Next|Same]) --> !,
     each_as_next([Next|Same]).
 each_as_next(_) --> [].
 
-%   room_sized(+Atoms, +Room, -Sized): Sized is sized(Type,W,D,Own,Across,Along), its width and depth and the atoms that make them:
-%   its own, and the edges of each. A room that runs along x has its depth there, see oblong/1.
+%   room_sized(+Atoms, +Room, -Sized): Sized is sized(Type,W,D,Own,Across,Along): the width W, the depth D, and the reasons. Own has the
+%   room's own atoms, Across the edges of its width, Along those of its depth. The depth of a room that runs along x is along x: see
+%   oblong/1.
 
 room_sized(Atoms, room(R,T,sides(X1,X2,Y1,Y2),edges(West,East,North,South)), Sized) :-
     (   memberchk(runs(R,x), Atoms)
