@@ -99,7 +99,7 @@ def _plan_and_fixed(stated: Stated, rules: Grammar) -> tuple[OwnPlan | None, tup
     if keep.main_room is None:
         if plan is None:
             raise RequestError(
-                "keep: rooms that share walls are kept in their plan: give it too, as in "
+                "keep: rooms that share walls stay in their plan: also give the plan, as in "
                 'generate(plan=house, keep=house.only("R2"))'
             )
         return keeping(plan, keep), ()

@@ -67,7 +67,7 @@ class BriefRoom(Part, frozen=True):
     type: str = ""
     """Room type of the grammar."""
     label: str = ""
-    """Name of its kind, in place of a type, for a brief without a grammar."""
+    """Name of its kind, instead of a type, for a brief without a grammar."""
     area: Span | None = None
     """Area in square metres; one number allows for the ``tolerance``."""
     size: tuple[Span, Span] | None = None
@@ -87,7 +87,7 @@ class Entrance(Part, frozen=True):
 
 
 class Void(Part, frozen=True):
-    """Part of the outline that is not house, metres: a notch at a corner, or a court anywhere."""
+    """Part of the outline that lies outside the house, metres: a notch at a corner, or a court anywhere."""
 
     width: Span | None = None
     depth: Span | None = None
@@ -257,7 +257,7 @@ def _require_pairs(key: str, pairs: Sequence[Pair], names: Sequence[str]) -> Non
             if name not in names:
                 raise RequestError(f"brief: {key}[{number}]: {unknown('room', name, names)}")
         if pair[0] == pair[1]:
-            raise RequestError(f"brief: {key}[{number}]: {pair[0]} and itself: name two rooms")
+            raise RequestError(f"brief: {key}[{number}]: {pair[0]} is named twice: name two rooms")
 
 
 def _require_span(where: str, span: Span | None, largest: float = LONGEST, *, is_place: bool = False) -> None:

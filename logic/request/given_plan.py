@@ -158,7 +158,7 @@ def keeping(plan: OwnPlan, house: House) -> OwnPlan:
             name not in places
             or max(abs(a - b) for a, b in zip(room.box, places[name], strict=True)) > TOLERANCE
         ):
-            raise RequestError(f"keep: the plan has no {name} where it is: give the plan of the same house")
+            raise RequestError(f"keep: the plan has no {name} at the same place: give the plan of its house")
     if not plan.doors:
         raise RequestError("keep: the plan has no doors: give a house with them, as --plan FILE")
     return msgspec.structs.replace(

@@ -111,11 +111,11 @@ class HouseRequest(msgspec.Struct, frozen=True, dict=True, forbid_unknown_fields
                 raise RequestError(f"plan: all rooms already have a place: leave out {name} or plan")
         for name, given in (("plan", self.plan), ("keep", self.fixed)):
             if self.brief and given:
-                raise RequestError(f"brief: its rooms have no places yet: leave out {name} or brief")
+                raise RequestError(f"brief: a brief places its rooms itself: leave out {name} or brief")
         if self.brief and self.cell:
             raise RequestError("cell: a brief does not support a grid: leave out cell or brief")
         if self.fixed and self.cell:
-            raise RequestError("keep: fixed rooms need not lie on the grid: leave out cell or keep")
+            raise RequestError("keep: rooms to keep may lie off the grid: leave out cell or keep")
         if (fixed := len(self.fixed)) > self.rooms:
             raise RequestError(
                 f"keep: the house has {fixed} rooms to keep, but rooms={self.rooms}: ask for rooms={fixed} "

@@ -202,7 +202,7 @@ turning_wrong(Type, Wrong) :-
     judged(turning_found(Type, Found), Found, []-turning(Type,_), Report),
     (   number(Report)
     ->  room_range(Type, _-W, _-D), Most is min(W, D), Report > Most + 1.0e-9,
-        clash(turning(Type,_), "no room by ~w is large enough: at most ~w m in one direction", [clause(room_size(Type,_,_)),metres(Most)], Wrong)
+        clash(turning(Type,_), "no such room is large enough: ~w allows at most ~w m in one direction", [clause(room_size(Type,_,_)),metres(Most)], Wrong)
     ;   Wrong = Report ).
 
 turning_found(Type, Found) :-
@@ -255,7 +255,7 @@ opening_wrong(Types, Openings, Wrong) :-
     ->  Wrong = Report
     ;   \+ \+ ( grammar:Head, {Wall = Long, L >= Width, L =< Wall} )
     ->  fail
-    ;   clash(Head, "a wall of ~w m, as such rooms may share, has no opening of ~w at least",
+    ;   clash(Head, "such rooms may share a wall of ~w m, but no opening in it is as wide as ~w",
               [metres(Long),clause(door_width(_))], Wrong) ).
 
 opening_found(opening_size(A,B,L,Wall), Short-Long, Found) :-
@@ -324,4 +324,4 @@ unit_wrong(true, Types, Wrong) :-
     (   Report = wrong(_,_,_,_)
     ->  Wrong = Report
     ;   Report = [_,High], smallest(Types, Least), shortest_wall(Least, Short), High < Short,
-        clash(unit_depth(_), "~w m at most, but no room is less deep than ~w allows", [metres(High),clause(room_size(Least,_,_))], Wrong) ).
+        clash(unit_depth(_), "units are at most ~w m deep, which is too little even for the smallest room: ~w", [metres(High),clause(room_size(Least,_,_))], Wrong) ).

@@ -49,7 +49,7 @@ def _require(command: Any, asked: str) -> tuple[Path, int]:
         )
     parts = whole("the number of shards", int(found[2]), 1, MAX_SHARDS)
     if found[1] != "all" and int(found[1]) >= parts:
-        raise RequestError(f"--shard {asked}: they count from 0: the last one is {parts - 1}/{parts}")
+        raise RequestError(f"--shard {asked}: shards count from 0: the last one is {parts - 1}/{parts}")
     if command.out is None or str(command.out) == "-":
         raise RequestError("--shard: a set is a folder: name it with --out")
     if command.nearest:

@@ -164,7 +164,7 @@ def test_a_row_that_was_changed_is_found(tmp_path: Path, capsys: pytest.CaptureF
 
 
 WRONG = {
-    "--shard 5/5": "--shard 5/5: they count from 0: the last one is 4/5",
+    "--shard 5/5": "--shard 5/5: shards count from 0: the last one is 4/5",
     "--shard five": "--shard five: give a shard and their number, counted from 0, as in --shard 3/8 or all/8",
     "--shard 0/50": "--shard: 3 splits and 17 houses cannot be divided into 50 shards",
     "--shard 0/2": "--shard: 3 splits and 17 houses cannot be divided into 2 shards",

@@ -199,7 +199,7 @@ def test_areas_that_are_too_large_for_the_outline_are_named_with_it() -> None:
         (brief(0), "rooms: give 1 to 24 rooms, not 0"),
         (brief(200), "rooms: give 1 to 24 rooms, not 200"),
         ({"rooms": [{"name": "A"}, {"name": "A"}]}, r"rooms\[1\]: rooms\[0\] is named A too"),
-        (brief(2, doors=[["R0", "R0"]]), r"doors\[0\]: R0 and itself"),
+        (brief(2, doors=[["R0", "R0"]]), r"doors\[0\]: R0 is named twice"),
         (brief(2, doors=[["R0", "R3"]]), r"doors\[0\]: there is no room R3: there are R0, R1"),
         (brief(2, nextto=[["R0", "R1"]]), "there is no key nextto: did you mean next_to"),
         (brief(2, entrance="Hal"), "entrance: "),

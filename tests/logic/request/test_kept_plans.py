@@ -88,7 +88,7 @@ def test_why_says_that_the_request_keeps_a_piece(home: Builder, house: House, na
 
 
 def test_rooms_that_cannot_be_kept_are_refused(house: House) -> None:
-    with pytest.raises(RequestError, match="give it too, as in generate"):
+    with pytest.raises(RequestError, match="also give the plan, as in generate"):
         generate(keep=house.only("R1"), grammar="home")
     with pytest.raises(RequestError, match="no room to keep"):
         generate(plan=house, keep=house.only(), grammar="home")
@@ -97,7 +97,7 @@ def test_rooms_that_cannot_be_kept_are_refused(house: House) -> None:
     moved = replace(
         house, rooms=tuple(replace(room, x=room.x + 1) for room in house.rooms), doors=(), windows=()
     )
-    with pytest.raises(RequestError, match="the plan has no R1 where it is"):
+    with pytest.raises(RequestError, match="the plan has no R1 at the same place"):
         generate(plan=house, keep=moved.only("R1"), grammar="home")
 
 

@@ -622,7 +622,7 @@ door_width(0.762).          % the paper's 2.5 feet
     appended(
         "a free square that is larger than its rooms",
         "turning(bathroom, 3.5).",
-        "no room by room_size(bathroom",
+        "no such room is large enough: room_size(bathroom",
     ),
     appended(
         "an opening of a misspelt type",
