@@ -108,8 +108,8 @@ class Folder:
     def alone(self, resume: bool) -> Iterator[None]:
         """Hold the folder while the block runs.
 
-        Raises ``RequestError`` if another run holds the folder, or if it holds a run that should not
-        continue. Raises ``CheckpointError`` for a path in the folder that is not a file of the run: writing
+        Raises ``RequestError`` if another run holds the folder, or if the folder has a run and ``resume`` is
+        False. Raises ``CheckpointError`` for a path in the folder that is not a file of the run: writing
         to a link would write outside the folder.
         """
         self.path.mkdir(parents=True, exist_ok=True)
@@ -163,7 +163,7 @@ def run(
 def torch_threads(number: int) -> Iterator[None]:
     """Let torch use this many threads within the block.
 
-    Small batches, as policies that play have, lose by a second thread, most of all on a busy machine.
+    A second thread slows down small batches, such as those of playing policies, above all on a busy machine.
     """
     before = torch.get_num_threads()
     torch.set_num_threads(number)
@@ -174,7 +174,7 @@ def torch_threads(number: int) -> Iterator[None]:
 
 
 def _learner(houses: Sequence[House] | HouseRotation, config: TrainConfig) -> Learner:
-    """Return a new run in new environments, this rank's share of them; sets and streams rotate."""
+    """Return a learner for a new run, in this rank's share of new environments. Sets and streams rotate."""
     if isinstance(houses, HouseSet | HouseStream):
         houses = HouseRotation(houses)
     known = houses.houses if isinstance(houses, HouseRotation) else houses
@@ -207,7 +207,7 @@ def _learn(
     every: float | None,
     watching: Watching,
 ) -> tuple[Checkpoint, list[Progress]]:
-    """Train to the end, or to the report after a signal; save the run then and every half a minute."""
+    """Train to the end, or to the first report after a signal. Save the run then, and every half minute."""
     config, houses = learner.config, learner.houses
     history = _resumed(learner, folder) if resume and folder.state.exists() else []
     # Houses of a set or a stream are not named: none of them is reserved for evaluation.
@@ -281,7 +281,7 @@ def _resumed(learner: Learner, folder: Folder) -> list[Progress]:
                 f"{folder.path}: the run has {len(states)} ranks, not {ranks.size()}: start "
                 f"it with {len(states)}"
             )
-        with warnings.catch_warnings(action="ignore"):  # torch's, of what is no state
+        with warnings.catch_warnings(action="ignore"):  # torch warns of values that are no state
             learner.restore(states[ranks.rank()])
     except VitruviusError:
         raise
@@ -323,7 +323,7 @@ class _Writer:
     """Writer of each report to ``metrics.jsonl`` and for TensorBoard."""
 
     def __init__(self, folder: Folder, history: list[Progress]) -> None:
-        """Continue after these reports; later ones on disk will be made again."""
+        """Continue after the reports of ``history``. The resumed run makes later reports again."""
         from torch.utils.tensorboard import SummaryWriter  # half a second to import
 
         lines = "".join(json.dumps(asdict(one)) + "\n" for one in history)

@@ -45,7 +45,7 @@ class TooMany(Exception):
 class Conflict:
     """Minimal set of reasons why a room cannot have its furniture.
 
-    Without any one of them CLP(R) has a solution.
+    If any one of the reasons is left out, CLP(R) has a solution.
 
     ``atoms`` of the layout, each of which holds or fails; ``clauses`` of the grammar, as terms:
     ``length(passage)``, ``size(bedroom)``, ``size(bedroom,bed)``.
@@ -61,15 +61,15 @@ ALL_LAYOUTS = ("--models=0", "--project=show")
 KEPT_ARGUMENTS = ("--heuristic=Berkmin", "--del-init=3,200,200", "--del-grow=1.1,50,+,100,20")
 """Arguments of a program that is solved for thousands of houses, each a short search in a given order.
 
-By default clasp deletes learnt nogoods after some thousand conflicts of one search. A house has few
-conflicts, so that clasp would keep, and propagate, everything that it learns. These settings keep fewer
-nogoods, and more within a long search. The heuristic has no choice to make, so a cheap one suffices.
+By default clasp deletes learned nogoods only after some thousand conflicts of one search. A house has fewer
+conflicts, so clasp would keep and propagate all nogoods that it learns. With these settings clasp keeps fewer
+nogoods at first, and more within a long search. The heuristic makes no choice, so a cheap one suffices.
 """
 
 ONE_HOUSE_ARGUMENTS = ("--configuration=handy", "--sat-prepro=no", "--sign-def=rnd", "--rand-freq=0.02")
 """Arguments of a program that is solved for one house, in which layouts are hard to find.
 
-clasp chooses the order of its search, at random by a ``--seed``, and only begins with the sampled picks.
+The search begins with the sampled picks. After these, clasp chooses the order, at random by a ``--seed``.
 Simplifying the program first would take as long as it saves.
 """
 
@@ -99,7 +99,7 @@ class Searching:
 
     @property
     def follows_picks(self) -> bool:
-        """True if clasp's own order only decides whether there is a layout, and the picks decide which."""
+        """True if the picks decide the layout, and clasp's own order decides only if there is one."""
         return self.patience is None
 
 
@@ -117,7 +117,7 @@ def of_one_house(seed: int, is_bounded: bool = False) -> Searching:
 
 
 MAX_LAYOUTS = 1000
-"""Number of layouts after which a program forgets all learnt nogoods, which grow slowly."""
+"""Number of layouts after which a program forgets all learned nogoods, whose number grows slowly."""
 
 LEMMAS, NOTHING = 8, 0
 """Values of clasp's option ``forget_on_step``."""
@@ -258,7 +258,7 @@ class Program:
         return layout
 
     def _order(self, rng: np.random.Generator) -> tuple[list[int], list[int]]:
-        """Sample the order of the options, and the next place in that order after each chosen option."""
+        """Sample an order of the options. Also return, for each, the place that follows if it is chosen."""
         # Exponential numbers divided by weights, in order, are a weighted sample (Efraimidis, Spirakis 2006).
         keys = rng.exponential(size=len(self._weights)) / self._weights
         places = rng.permutation(len(self._counts))
@@ -266,7 +266,7 @@ class Program:
             places = np.argsort(np.lexsort((places, self._turns)))
         ranks = np.repeat(places, self._counts)
         order = np.lexsort((keys, ranks))
-        # If a variable has one value, the first chosen option decides the others.
+        # If a variable picks just one value, the first chosen option excludes its other options.
         ends = np.cumsum(self._counts[np.argsort(places)])[places]
         then = np.where(self._single[order], ends.repeat(self._counts)[order], np.arange(len(order)) + 1)
         return order.tolist(), then.tolist()
@@ -335,7 +335,7 @@ class Program:
         once a second, with the number so far and None. The program must have the arguments ``ALL_LAYOUTS``.
         """
         begun, shown, number = time.monotonic(), 0.0, 0
-        late = Timer(seconds, self._control.interrupt)  # For the case that it takes long to find another one.
+        late = Timer(seconds, self._control.interrupt)  # ends a long search for the next layout
         late.daemon = True
         with self._control.solve(assumptions=self._literals(assumed, ()), yield_=True) as handle:
             late.start()
@@ -356,10 +356,7 @@ class Program:
         return [self._literal[atom] for atom in assumed] + [-self._literal[atom] for atom in without]
 
     def _excluded(self, nogood: Nogood) -> list[int]:
-        """Return the literals of a nogood, one of which must fail.
-
-        An atom that can never hold is left out.
-        """
+        """Return the literals of a nogood, one of which must fail, without atoms that can never hold."""
         return [
             literal if holds else -literal
             for atom, holds in nogood.items()

@@ -89,7 +89,7 @@ class HouseVectorEnv(KeepsState, KeepsSpec, VectorEnv):  # pyright: ignore[repor
     at once, if possible at least 0.82 m away along one axis.
 
     ## Starting State
-    A random free place in the main room, not on the first target, with a random one of the eight headings.
+    A random free place in the main room, not on the first target, and a random heading out of eight.
     The task may choose other rooms, as in ``{"task": "main", "starts": ["bedroom"]}`` or ``"starts": "all"``,
     and ``set_next`` other poses. ``paper``: the free place nearest to the middle of the main room, heading
     north.
@@ -126,8 +126,8 @@ class HouseVectorEnv(KeepsState, KeepsSpec, VectorEnv):  # pyright: ignore[repor
     ``sim.tasks.tasks``.
     The paper's tasks are ``paper-main``, ``paper-secondary`` and ``paper-mixed`` in the house
     ``paper-house``: ``gymnasium.make_vec("vitruvius:Vitruvius/Paper-v0", targets="paper-main")``.
-    ``preset``: ``default``, ``doors``, ``long``, ``noisy``, ``paper``, a ``sim.Config``, or a dictionary of
-    its fields, ``{"rays": 20, "observe": ["rays", "goal"]}``.
+    ``preset``: ``default``, ``doors``, ``drive``, ``long``, ``noisy``, ``paper``, a ``sim.Config``, or a
+    dictionary of its fields, ``{"rays": 20, "observe": ["rays", "goal"]}``.
     ``max_episode_steps``: replaces the preset's length of episodes; the ``spec`` states it.
     ``seed``: seed of the first reset, unless ``reset`` gets one.
     ``render_mode``: ``rgb_array``, or ``human``, which shows each step in a window (pygame).
@@ -325,12 +325,12 @@ class HouseVectorEnv(KeepsState, KeepsSpec, VectorEnv):  # pyright: ignore[repor
     def step_torch(
         self, actions: "torch.Tensor"
     ) -> tuple[Any, "torch.Tensor", "torch.Tensor", "torch.Tensor", dict[str, Any]]:
-        """``step`` with tensors and without copies: the batched path.
+        """Step each environment, as ``step`` does, with tensors and without copies.
 
-        ``actions`` is (E,) int64 on the environments' device. Each call returns the same memory, so clone any
-        tensor that you need after the next call: observations, rewards, terminated, truncated, and an info
-        with ``blocked`` and ``house`` (int32). In ``SAME_STEP``, the info also has ``final_obs``, and
-        ``final_info`` with ``blocked``, which are valid for environments whose episode ended.
+        ``actions`` is (E,) int64 on the environments' device. Returns observations, rewards, terminated,
+        truncated, and an info with ``blocked`` and ``house`` (int32). All calls return the same memory, so
+        clone any tensor that you need after the next call. In ``SAME_STEP``, the info also has ``final_obs``,
+        and ``final_info`` with ``blocked``, which are valid for environments whose episode ended.
         """
         given = self._orders.read_tensor(actions, self.device)
         self._check(given)
@@ -372,7 +372,7 @@ class HouseVectorEnv(KeepsState, KeepsSpec, VectorEnv):  # pyright: ignore[repor
         return self.world.targets(whole("count", count, MOST_TARGETS))
 
     def render(self) -> tuple[np.ndarray, ...] | None:
-        """Return a picture of each environment, (height, width, 3) uint8, in the size of the largest house's.
+        """Return a picture of each environment, (height, width, 3) uint8, each as large as the largest house.
 
         The result is ``None`` if ``render_mode`` is ``None``, and if it is ``human``: then ``reset`` and
         ``step`` show the pictures in a window. ``sim.film.mosaic`` joins the pictures.

@@ -70,8 +70,8 @@ class World:
     ) -> None:
         """Pack the houses and find their starts and targets (``ValueError`` if there are none).
 
-        ``by_ray``: one task for each environment and ray in place of one for each environment, the loop for
-        a GPU; the results are the same, bit for bit.
+        ``by_ray``: the loop has one task for each ray of each environment, as a GPU needs, instead of one
+        task for each environment. The results are the same, bit for bit.
         """
         self.task, self.num_envs = task(targets), num_envs
         check_lengths(houses)
