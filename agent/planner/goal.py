@@ -4,7 +4,7 @@ from vitruvius.agent.planner.core.body import BodyModel
 from vitruvius.agent.planner.core.config import PlannerConfig
 from vitruvius.agent.planner.core.state import NONE, SEARCH, TARGET
 from vitruvius.agent.planner.mapping.occupancy import Occupancy
-from vitruvius.agent.planner.paths import FAR, Paths
+from vitruvius.agent.planner.paths import UNREACHED, Paths
 from vitruvius.agent.planner.viewpoints.choice import Viewpoints
 from vitruvius.sim.runtime import ti
 
@@ -41,7 +41,7 @@ class Goal:
         state.path_age += 1
         state.plan_age += 1
         old = (state.stale > 0) & (state.path_age > ti.static(self.config.path_interval))
-        again = ti.cast(old | (far == FAR), ti.i32)
+        again = ti.cast(old | (far == UNREACHED), ti.i32)
         search, within = again, 0
         if state.known:
             there = ti.cast(ti.floor(state.target + 0.5), ti.i32)
@@ -76,7 +76,7 @@ class Goal:
                 state.kind = NONE
         else:
             state.kind = NONE
-        if (state.kind == SEARCH) & (far == FAR):
+        if (state.kind == SEARCH) & (far == UNREACHED):
             state.kind = NONE
         if ti.static(self.led):
             if state.kind == NONE:
@@ -128,10 +128,10 @@ class Goal:
         px, py = state.x, state.y
         if within > 0:
             state.queued = self.paths.measure(memory, base, state.goal, off, radius, within, px, py)
-        if self.paths.far(memory, base, px, py) == FAR:
+        if self.paths.far(memory, base, px, py) == UNREACHED:
             # The viewpoint was chosen when fewer obstacles were known on its path: now a place near it will
             # do.
             self.paths.forget(memory, base, state.queued)
             about = ti.static(self.radius)
-            state.queued = self.paths.measure(memory, base, state.goal, off, about, FAR, px, py)
+            state.queued = self.paths.measure(memory, base, state.goal, off, about, UNREACHED, px, py)
         return state

@@ -8,7 +8,7 @@ from vitruvius.agent.planner.core.config import PlannerConfig
 from vitruvius.agent.planner.mapping.occupancy import Occupancy
 from vitruvius.sim.runtime import ti
 
-FAR = (1 << 16) - 1
+UNREACHED = (1 << 16) - 1
 """Distance of a node that no search has reached."""
 
 
@@ -23,12 +23,12 @@ class Paths:
     def forget(self, memory: ti.template(), base, tail):
         """Clear the distances of the last search, whose queue ends at ``tail``."""
         for k in range(tail):
-            memory.distance[base + ti.cast(memory.queue[base + k], ti.i32)] = ti.cast(FAR, ti.u16)
+            memory.distance[base + ti.cast(memory.queue[base + k], ti.i32)] = ti.cast(UNREACHED, ti.u16)
 
     @ti.func
     def reached(self, memory: ti.template(), base, node):
         """Return 1 if the last search has reached a node."""
-        return ti.cast(ti.cast(memory.distance[base + node], ti.i32) < FAR, ti.i32)
+        return ti.cast(ti.cast(memory.distance[base + node], ti.i32) < UNREACHED, ti.i32)
 
     @ti.func
     def push(self, memory: ti.template(), base, node, distance, tail):
@@ -77,7 +77,7 @@ class Paths:
                         away = ti.abs(ti.Vector([ti.cast(i, ti.f32), ti.cast(j, ti.f32)]) - off).max()
                         if (away < span) and not self.occupancy.solid(memory, base, x + i, y + j):
                             tail = self.push(memory, base, self.occupancy.at(x + i, y + j), 0, tail)
-        head, last = 0, FAR
+        head, last = 0, UNREACHED
         while head < tail:
             node = ti.cast(memory.queue[base + head], ti.i32)
             distance = ti.cast(memory.distance[base + node], ti.i32)
@@ -99,13 +99,13 @@ class Paths:
 
         The path goes straight on while that leads nearer, and then turns as little as possible.
         """
-        x, y, left = px >> 1, py >> 1, FAR
+        x, y, left = px >> 1, py >> 1, UNREACHED
         for k in range(4):
             i, j = (px + (k & 1)) >> 1, (py + (k >> 1)) >> 1
             distance = ti.cast(memory.distance[base + self.occupancy.at(i, j)], ti.i32)
             if distance < left:
                 x, y, left = i, j, distance
-        turns, going = 0, ti.cast(left < FAR, ti.i32)
+        turns, going = 0, ti.cast(left < UNREACHED, ti.i32)
         for _ in range(self.config.path_turns):
             if going & (left > 0):
                 going = 0
@@ -129,11 +129,11 @@ class Paths:
 
     @ti.func
     def far(self, memory: ti.template(), base, px, py):
-        """Return the distance of a pose from the goal, in half cells, by its nodes; ``FAR`` if unknown."""
-        best = FAR
+        """Return the distance of a pose from the goal, in half cells, or ``UNREACHED``."""
+        best = UNREACHED
         for k in range(4):
             x, y = (px + (k & 1)) >> 1, (py + (k >> 1)) >> 1
             distance = ti.cast(memory.distance[base + self.occupancy.at(x, y)], ti.i32)
-            if distance < FAR:
+            if distance < UNREACHED:
                 best = ti.min(best, 2 * distance + ti.max(ti.abs(2 * x - px), ti.abs(2 * y - py)))
         return best

@@ -9,7 +9,7 @@ from vitruvius.agent.planner.core.config import PlannerConfig
 from vitruvius.agent.planner.core.state import SIZE
 from vitruvius.agent.planner.mapping.occupancy import MAX_STEP, TILE, number_type
 from vitruvius.agent.planner.mapping.visibility import FINE
-from vitruvius.agent.planner.paths import FAR
+from vitruvius.agent.planner.paths import UNREACHED
 from vitruvius.agent.planner.viewpoints.choice import views
 from vitruvius.agent.planner.viewpoints.reachability import UNKNOWN, WORDS
 from vitruvius.sim.config import Config
@@ -73,7 +73,7 @@ def common_arrays(world: Config, config: PlannerConfig, count: int, body: BodyMo
         "begun": Array(ti.u8, count),
         "views": Array.of(views(config)),
         "cells": Array(ti.u16, area),
-        "distance": Array.of(np.full(area, FAR, np.uint16)),
+        "distance": Array.of(np.full(area, UNREACHED, np.uint16)),
         "queue": Array(number_type(config), area),
         "dirty": Array(ti.u8, area >> 2 * TILE),
         "reached": Array(ti.i32, count * rays),

@@ -17,7 +17,7 @@ from vitruvius.agent.evaluation.episodes import reset
 from vitruvius.agent.learning.environments import shield
 from vitruvius.agent.planner import Planner
 from vitruvius.agent.planner.core.state import AT, NONE, SEARCH, SIZE
-from vitruvius.agent.planner.paths import FAR
+from vitruvius.agent.planner.paths import UNREACHED
 from vitruvius.agent.planner.planner import STATE
 from vitruvius.agent.policies.episodes import moments
 from vitruvius.agent.policies.policies import Explorer, Policy, Tracker
@@ -184,7 +184,7 @@ def _aim(memory: dict[str, np.ndarray], planner: Planner, row: int) -> None:
     side = 1 << planner.config.map_bits
     x, y = (int(planner.read(name)[row]) for name in ("x", "y"))
     about = {((y + j >> 1) % side) * side + (x + i >> 1) % side for j in range(2) for i in range(2)}
-    memory["distance"][:] = FAR
+    memory["distance"][:] = UNREACHED
     memory["distance"][list(about)] = 1
     memory["queue"][: len(about)] = list(about)
     changes = {"kind": SEARCH, "plan_age": 0, "stale": 1, "path_age": LONG_AGO, "queued": len(about)}

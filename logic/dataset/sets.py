@@ -28,7 +28,7 @@ from vitruvius.logic.files.writing import write_whole
 from vitruvius.logic.grammar import Grammar, find, shipped
 from vitruvius.logic.house.promises import Promises
 from vitruvius.logic.opener import content_of, from_json
-from vitruvius.logic.request.counts import MOST, whole
+from vitruvius.logic.request.counts import MAX_COUNT, whole
 from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.spelling import unknown
 
@@ -100,7 +100,7 @@ class Set(msgspec.Struct, frozen=True, dict=True, forbid_unknown_fields=True):
             raise ValueError(unknown("split", splits[0], SPLITS) if splits else "it has no split")
         whole("start", self.start, 0)
         for split, number in self.houses.items():
-            whole(f"the houses of {split}", number, 1, MOST - self.start)
+            whole(f"the houses of {split}", number, 1, MAX_COUNT - self.start)
         whole("shards", self.shards, len(self.houses), min(MAX_SHARDS, sum(self.houses.values())))
         whole("seed", self.seed, 0, min(len(SPLITS[split]) for split in self.houses) - 1)
         if self.grammar in ("", ".", "..") or set(self.grammar) & set("/\\\0"):

@@ -32,8 +32,8 @@ MODES = ("trinary", "scale", "raw")
 NEGATE = {"0": False, "1": True, "false": False, "true": True, "no": False, "yes": True}
 """Values of the field ``negate``."""
 
-SHORT = Repr()
-SHORT.maxlevel, SHORT.maxstring = 1, 60
+ABBREVIATION = Repr()
+ABBREVIATION.maxlevel, ABBREVIATION.maxstring = 1, 60
 """Abbreviation of a file's values in an error message."""
 
 BAND_ROWS = 256
@@ -108,21 +108,21 @@ def _described(path: Path) -> Description:
         except (TypeError, ValueError, OverflowError):
             given = [math.nan]
         if not all(map(math.isfinite, given)):
-            wrong(f"{name} is {SHORT.repr(value)}: it must hold numbers")
+            wrong(f"{name} is {ABBREVIATION.repr(value)}: it must hold numbers")
         return given
 
     for name in ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh"):
         if found.get(name) is None:
             wrong(f"it lacks {name}, as in image: map.png" if name == "image" else f"it lacks {name}")
     if not isinstance(found["image"], str) or not found["image"]:
-        wrong(f"image is {SHORT.repr(found['image'])}: it must be a file's name")
+        wrong(f"image is {ABBREVIATION.repr(found['image'])}: it must be a file's name")
     (resolution, *more), origin = (
         numbers("resolution", found["resolution"]),
         numbers("origin", found["origin"]),
     )
     if more or resolution <= 0:
         wrong(
-            f"resolution is {SHORT.repr(found['resolution'])}: it must be the width of a cell in metres, "
+            f"resolution is {ABBREVIATION.repr(found['resolution'])}: it must be a cell's width in metres, "
             "more than 0"
         )
     if len(origin) != 3:
@@ -136,13 +136,13 @@ def _described(path: Path) -> Description:
         wrong("occupied_thresh and free_thresh must be a number each")
     negate = NEGATE.get(str(found["negate"]).lower())
     if negate is None:
-        wrong(f"negate is {SHORT.repr(found['negate'])}: it must be 0 or 1")
+        wrong(f"negate is {ABBREVIATION.repr(found['negate'])}: it must be 0 or 1")
     mode = found.get("mode", MODES[0])
     if mode not in MODES:
-        wrong(unknown("mode", mode if isinstance(mode, str) else SHORT.repr(mode), MODES))
+        wrong(unknown("mode", mode if isinstance(mode, str) else ABBREVIATION.repr(mode), MODES))
     image = path.parent / found["image"]
     if not image.resolve().is_relative_to(path.parent.resolve()):
-        wrong(f"image is {SHORT.repr(found['image'])}: it must lie in the folder of this file")
+        wrong(f"image is {ABBREVIATION.repr(found['image'])}: it must lie in the folder of this file")
     return Description(image, resolution, (origin[0], origin[1]), occupied, free, negate, mode)
 
 

@@ -43,7 +43,7 @@ HouseFacts = Sequence[tuple[Symbol, tuple[Symbol, ...]]]
 INFERENCES = 100_000_000
 """Largest number of Prolog inferences for a room on a grid."""
 
-MORE = 8
+MAX_EXTRA_PIECES = 8
 """Number of pieces that are tried beyond the number that a piece's fact allows."""
 
 
@@ -163,7 +163,10 @@ class Feasibility:
         facts = [(fact, clause) for fact, clause in self._lengths[type_] if not room or fact.name != "reach"]
         required = self._required(request, type_)
         needed = [requirement.arguments for _, requirement in required if requirement.arguments[1].number]
-        more = [Function("more", [piece, Number(min(least.number, MORE))]) for piece, least, _ in needed]
+        more = [
+            Function("more", [piece, Number(min(least.number, MAX_EXTRA_PIECES))])
+            for piece, least, _ in needed
+        ]
         # The length of wall that a piece takes may depend on the wall, and so on a room of any size.
         size = () if room else (Function("size", [Function(type_)]),)
         lengths = self._stated(

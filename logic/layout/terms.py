@@ -10,7 +10,7 @@ from vitruvius.logic.layout.program import Part
 from vitruvius.logic.request.brief import LEAST_SIDE, Brief, length_range, tolerance_of
 from vitruvius.logic.request.brief_lines import area_ranges, void_numbers
 from vitruvius.logic.request.brief_lines import requirements as brief_lines
-from vitruvius.logic.request.counts import MOST, Range
+from vitruvius.logic.request.counts import MAX_COUNT, Range
 from vitruvius.logic.request.fixed_rooms import FixedRoom
 from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.request.own_plan import OwnPlan
@@ -34,7 +34,7 @@ Lengths = Mapping[str, Sequence[tuple[Symbol, Symbol]]]
 def requirements(kind: str, ranges: Mapping[str, Range]) -> list[Symbol]:
     """Return the requirements ``among`` (room types) or ``has`` (pieces), by name: ``rules/request.lp``."""
     return [
-        Function(kind, [Function(name), Number(least), Number(MOST if most is None else most)])
+        Function(kind, [Function(name), Number(least), Number(MAX_COUNT if most is None else most)])
         for name, (least, most) in sorted(ranges.items())
     ]
 

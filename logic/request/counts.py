@@ -15,11 +15,11 @@ Count = int | tuple[int, int | None]
 """Exact number, or a range."""
 
 MOST_ROOMS = 128
-MOST = 2**31 - 1
+MAX_COUNT = 2**31 - 1
 """Largest number of clingo, which stands for no bound."""
 
 
-def whole(name: str, value: Any, least: int, most: int = MOST) -> int:
+def whole(name: str, value: Any, least: int, most: int = MAX_COUNT) -> int:
     """Return a whole number of any library as an ``int``.
 
     Raises ``RequestError`` for another value, and for a number outside ``least`` to ``most``.
@@ -53,7 +53,7 @@ def as_range(name: str, count: Any) -> Range:
     least, most = (count, count) if isinstance(count, int) else (*count,) if _is_pair(count) else (None, None)
     if type(least) is not int or not (most is None or type(most) is int):
         raise RequestError(f"{name}: a count is a whole number or a pair of them, not {count!r}")
-    if not 0 <= least <= (MOST if most is None else most) <= MOST:
+    if not 0 <= least <= (MAX_COUNT if most is None else most) <= MAX_COUNT:
         raise RequestError(f"{name}: give two whole numbers from 0, the smaller first, not {count!r}")
     return least, most
 

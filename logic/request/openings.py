@@ -22,7 +22,7 @@ ROUND = 0.05
 ALL = 0.2
 """Metres by which an opening without a leaf may be shorter than its wall and still open the whole wall."""
 
-LEAST = 0.4
+MIN_OPENING_M = 0.4
 """Least width of a door or a window, metres."""
 
 
@@ -136,7 +136,7 @@ def _pieces(opening: Opening, inner: Sequence[Wall]) -> Iterator[Opening]:
         (start, end)
         for wall in inner
         if WALLS.index(wall.side) % 2 == axis and abs(wall.place - (box[axis] + box[axis + 2]) / 2) < ROUND
-        if (end := min(high, wall.end)) - (start := max(low, wall.start)) > LEAST
+        if (end := min(high, wall.end)) - (start := max(low, wall.start)) > MIN_OPENING_M
     ]
     if not opening.is_open or len(spans) < 2:
         yield opening
@@ -156,7 +156,7 @@ def _nearest(opening: Opening, walls: Sequence[Wall]) -> tuple[Wall, float, floa
         off = abs(wall.place - middle)
         start, end = max(low, wall.start), min(high, wall.end)
         runs = WALLS.index(wall.side) % 2 == axis
-        if runs and off < least and end - start > max(LEAST, (high - low) / 2):
+        if runs and off < least and end - start > max(MIN_OPENING_M, (high - low) / 2):
             best, least = (wall, low, high), off
     return best
 

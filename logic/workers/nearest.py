@@ -26,13 +26,13 @@ from vitruvius.logic.workers.pool import houses
 MOST_CONFLICTS = 60
 """Largest number of conflicts of a brief that the search considers."""
 
-NEAR = 0.05
+PRECISION = 0.05
 """Relative precision of the share by which the bounds of a length are widened."""
 
-AMPLE = (NEAR, 5 * NEAR, 20 * NEAR)
+MARGINS = (PRECISION, 5 * PRECISION, 20 * PRECISION)
 """Shares by which the bounds are then wider than necessary, tried in order until a house is found."""
 
-EASING = 10_000_000
+MAX_EASING_INFERENCES = 10_000_000
 """Largest number of Prolog inferences for a house with wider bounds."""
 
 ANY = 1e6
@@ -85,7 +85,7 @@ def nearest_brief(request: HouseRequest, seed: int, index: int) -> Nearest:
 
     def house_of(some: Brief) -> House | None:
         with suppress(Unsatisfiable, LimitReached):
-            return house(some, min(request.inferences, EASING))
+            return house(some, min(request.inferences, MAX_EASING_INFERENCES))
         return None
 
     out = _fewest(wanted, house)
@@ -145,12 +145,12 @@ def _eased(brief: Brief, place: Where, house_of: Callable[[Brief], House | None]
     else:
         return None
     least, most = 0.0, off_by(house, brief, place)
-    while most - least > NEAR * (1 + least):
+    while most - least > PRECISION * (1 + least):
         half = (least + most) / 2
         if house := house_of(by(half * down, half * up)):
             most = min(half, off_by(house, brief, place))
         else:
             least = half
     # At the least share rooms have little choice in other lengths, and houses are hard to find.
-    ample = ((most + more) * (1 + more) for more in AMPLE)
+    ample = ((most + more) * (1 + more) for more in MARGINS)
     return next((some for share in ample if house_of(some := by(share * down, share * up))), None)

@@ -50,7 +50,7 @@ from vitruvius.logic.workers.messages import (
     Working,
 )
 
-EARLY = 4.0
+FIRST_REPORT_S = 4.0
 """Seconds after which the process reports its stage, or a fourth of its limit if that is less.
 
 It reports again at half of the limit.
@@ -108,7 +108,8 @@ class Answers:
         if seconds is not None:
             work = [self._asked, lambda: Working(account().stage)]
             timers = [
-                threading.Timer(after, self._say, work) for after in (min(seconds / 4, EARLY), seconds / 2)
+                threading.Timer(after, self._say, work)
+                for after in (min(seconds / 4, FIRST_REPORT_S), seconds / 2)
             ]
             timers.append(threading.Timer(seconds, self._end, [self._asked, account]))
         for timer in timers:
@@ -203,7 +204,7 @@ class Worker:
         from vitruvius.logic.house.house import House
         from vitruvius.logic.proofs.giving_way import without
         from vitruvius.logic.request.house_request import HouseRequest
-        from vitruvius.logic.why.kinds import witness_of
+        from vitruvius.logic.why.witnesses import witness_of
 
         house = House.from_dict(question.house)
         made = house.provenance

@@ -12,7 +12,7 @@ import msgspec
 
 from vitruvius.logic import House
 from vitruvius.logic.spelling import unknown
-from vitruvius.sim.backends.kinds import pieces_in
+from vitruvius.sim.backends.piece_kinds import pieces_in
 from vitruvius.sim.geometry import Box
 from vitruvius.sim.tasks.base import BaseTask
 

@@ -246,7 +246,7 @@ TASKS = {
 }  # fmt: skip
 """Tasks that take arguments."""
 
-SHORT = "rooms", "points"
+BY_FIRST_ARGUMENT = "rooms", "points"
 """Tasks that a dictionary may state by their first argument alone."""
 
 AnyTask = Task | FixedTask | WeightedTask
@@ -276,9 +276,11 @@ def task(targets: Targets) -> AnyTask:
             )
         return given
     arguments = dict(given)
-    name = arguments.pop("task", next((short for short in SHORT if short in arguments), None))
+    name = arguments.pop("task", next((short for short in BY_FIRST_ARGUMENT if short in arguments), None))
     if name is None:
-        raise ValueError(f"targets: {unknown('argument', next(iter(arguments), '{}'), ('task', *SHORT))}")
+        raise ValueError(
+            f"targets: {unknown('argument', next(iter(arguments), '{}'), ('task', *BY_FIRST_ARGUMENT))}"
+        )
     if name not in [*TASKS, *TARGETS] and not is_class_name(name):
         names = TASKS if given is targets else [*TARGETS, *PAPER_TASKS]
         raise ValueError(

@@ -44,7 +44,7 @@ AT_ONCE = 16
 MOST_BYTES = 1 << 30
 """Memory beyond which fields and surveys are discarded, except those in use."""
 
-FAR = 1 << 15
+UNREACHED = 1 << 15
 """Distance that is longer than any path, in actions."""
 
 Key = tuple[int, bytes]
@@ -307,13 +307,13 @@ def _kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
             tiles = s * (least.shape[0] // searches.shape[0])
             for tile in range((columns >> ti.static(TILE_BITS)) * height):
                 left, top = (tile // height) << ti.static(TILE_BITS), (tile % height) << ti.static(TILE_BITS)
-                nearest = FAR
+                nearest = UNREACHED
                 for column in range(ti.static(TILE)):
                     at = base + 8 * ((left + column) * rows + top)
                     for k in range(ti.static(8 * TILE)):
                         known = ti.cast(steps[at + k], ti.i32)
-                        nearest = ti.min(nearest, ti.select(known < 0, FAR, known))
-                nearest = ti.select(nearest == FAR, 0, nearest)
+                        nearest = ti.min(nearest, ti.select(known < 0, UNREACHED, known))
+                nearest = ti.select(nearest == UNREACHED, 0, nearest)
                 mixed = ti.u64(0)
                 for column in range(ti.static(TILE)):
                     at = base + 8 * ((left + column) * rows + top)

@@ -15,7 +15,7 @@ import numpy as np
 
 from vitruvius.logic import House
 from vitruvius.sim.backends.backend import WALL, Bank
-from vitruvius.sim.backends.kinds import codes
+from vitruvius.sim.backends.piece_kinds import codes
 from vitruvius.sim.config import Config
 from vitruvius.sim.runtime import Array, ti
 from vitruvius.sim.tasks.terms import Terms

@@ -10,7 +10,7 @@ import numpy as np
 from vitruvius.logic import House
 from vitruvius.sim.arrays import ArrayRow
 from vitruvius.sim.backends.backend import Backend, Bank, Lattice
-from vitruvius.sim.backends.kinds import check_kinds
+from vitruvius.sim.backends.piece_kinds import check_kinds
 from vitruvius.sim.config import Config
 from vitruvius.sim.geometry import check_lengths
 from vitruvius.sim.runtime import Array, Launch, start, ti
@@ -33,7 +33,7 @@ GUIDE = [row for row in STATE if row.name in ("next_wholes", "next_reals")]
 TABLES = "numbers", "indices", "places"
 """Arrays of the bank."""
 
-FEW = 64
+MAX_SERIAL_ENVS = 64
 """Largest number of environments that one thread steps faster than several threads."""
 
 MOST_PLACES, MOST_ALONG = 1 << 26, 1 << 16
@@ -80,7 +80,7 @@ class World:
             replace(self.config, steps=1),  # kernels of all lengths of episodes are the same
             mode=mode,
             by_ray=by_ray,
-            serial=num_envs <= FEW and not by_ray,
+            serial=num_envs <= MAX_SERIAL_ENVS and not by_ray,
             ends_on_pick_up=bool(self.task.ends_on_pick_up),
             terms=terms_of(self.task),
             at_once=at_once(self.task),

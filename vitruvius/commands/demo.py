@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from vitruvius.logic.request.counts import MOST, whole
+from vitruvius.logic.request.counts import MAX_COUNT, whole
 
 
 @dataclass(frozen=True)
@@ -21,6 +21,6 @@ class Demo:
         from vitruvius.demo import demo
         from vitruvius.logic.files.writing import require_folder
 
-        whole("--seed", self.seed, 0, (MOST - 1) // 2)  # houses use twice the seed, and one more
+        whole("--seed", self.seed, 0, (MAX_COUNT - 1) // 2)  # houses use twice the seed, and one more
         require_folder(self.out)
         return demo(self.out, self.seed)

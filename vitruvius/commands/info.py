@@ -8,7 +8,7 @@ import tyro
 
 from vitruvius.commands.common import print_answer, say_warnings
 from vitruvius.help import columns, entry
-from vitruvius.info.kinds import Kind
+from vitruvius.info.descriptions import Kind
 from vitruvius.info.recognise import recognised
 from vitruvius.logic.spelling import printable
 

@@ -17,7 +17,7 @@ from vitruvius.agent.banks import BANKS, bank_hash
 from vitruvius.agent.learning.config import TrainConfig, differences
 from vitruvius.agent.play.results import load as load_games
 from vitruvius.agent.runs.released import FORMAT, LEARNT_IN, MAX_BYTES, MAX_HEADER_BYTES, require_sizes
-from vitruvius.info.kinds import (
+from vitruvius.info.descriptions import (
     Agent,
     Games,
     Grammar,

@@ -8,7 +8,7 @@ from vitruvius import settings
 from vitruvius.agent.algorithms.table import PRESETS
 from vitruvius.agent.banks import BANKS, PAPER_HOUSE, benchmark_path
 from vitruvius.agent.runs.released import located, released
-from vitruvius.info.kinds import Kind
+from vitruvius.info.descriptions import Kind
 from vitruvius.info.reading import (
     Source,
     UnknownFileError,

@@ -2,7 +2,7 @@
 
 from vitruvius.agent.planner.core.state import NONE, TARGET
 from vitruvius.agent.planner.mapping.occupancy import Occupancy
-from vitruvius.agent.planner.paths import FAR
+from vitruvius.agent.planner.paths import UNREACHED
 from vitruvius.sim.runtime import ti
 
 MAX_AHEAD_NODES = 28
@@ -48,7 +48,7 @@ class Course:
         """Return the way (east and south, cells) to where the body should drive; zero without a path."""
         x, y, aim = state.x >> 1, state.y >> 1, ti.Vector([0.0, 0.0])
         left = ti.cast(memory.distance[base + self.occupancy.at(x, y)], ti.i32)
-        side, k, going = -1, 0, ti.cast((left < FAR) & (state.kind != NONE), ti.i32)
+        side, k, going = -1, 0, ti.cast((left < UNREACHED) & (state.kind != NONE), ti.i32)
         while (going > 0) & (left > 0) & (k < MAX_AHEAD_NODES):
             going, k = 0, k + 1
             at = ti.Vector([x, y])
@@ -74,7 +74,7 @@ class Course:
                     aim = point - eye
                 else:
                     going = 0
-        if (state.kind == TARGET) & (left < FAR):
+        if (state.kind == TARGET) & (left < UNREACHED):
             touch = 1.0 + self.half
             near = ti.cast((left == 0) & (k <= MIN_AHEAD_NODES), ti.i32)
             if near | self.straight(memory, base, eye, state.target, touch):

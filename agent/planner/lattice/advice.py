@@ -1,7 +1,7 @@
 """Advice of a planner: the turn to the heading from which a step brings the goal nearest."""
 
 from vitruvius.agent.planner.mapping.occupancy import Occupancy
-from vitruvius.agent.planner.paths import FAR, Paths
+from vitruvius.agent.planner.paths import UNREACHED, Paths
 from vitruvius.sim.actions import FORWARD, LEFT, RIGHT
 from vitruvius.sim.runtime import ti
 
@@ -46,7 +46,7 @@ class Advice:
             if k == 0:
                 free &= forward
             there = self.paths.far(memory, base, qx, qy)
-            if (free > 0) & (there < FAR) & (far < FAR):
+            if (free > 0) & (there < UNREACHED) & (far < UNREACHED):
                 gains[k] = ti.cast(far - there, ti.f32) / ti.cast(span, ti.f32)
         return gains
 

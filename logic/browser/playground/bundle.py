@@ -10,7 +10,7 @@ from msgspec import structs
 
 from vitruvius.logic.drawing.canvas import text_width
 from vitruvius.logic.drawing.palettes import PALETTES
-from vitruvius.logic.generation.feasibility import MORE
+from vitruvius.logic.generation.feasibility import MAX_EXTRA_PIECES
 from vitruvius.logic.generation.furnish import BITS, STEP, WALLS
 from vitruvius.logic.generation.shared_walls import MOST_TRIES
 from vitruvius.logic.generation.tiling import NO_PLAN
@@ -85,7 +85,7 @@ def bundle() -> dict[str, object]:
         "inferences": INFERENCES,
         "greatest": GREATEST,
         "far": LONGEST_MM,
-        "more": MORE,
+        "more": MAX_EXTRA_PIECES,
         "mostLayouts": MOST_LAYOUTS,
         "near": {"star": MAX_ROOMS_AWAY_IN_STARS, "plans": MAX_ROOMS_AWAY},
         "leftOut": _named(left_out_facts()),

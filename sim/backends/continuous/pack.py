@@ -12,7 +12,7 @@ from vitruvius.logic import House
 from vitruvius.sim.backends.backend import WALL, Bank
 from vitruvius.sim.backends.blocks import CELL, HEADER
 from vitruvius.sim.backends.continuous.lists import listed_arrays
-from vitruvius.sim.backends.kinds import codes
+from vitruvius.sim.backends.piece_kinds import codes
 from vitruvius.sim.backends.rays import overlap
 from vitruvius.sim.config import Config
 from vitruvius.sim.geometry import Geometry, geometry

@@ -18,7 +18,7 @@ from vitruvius.logic import House
 from vitruvius.sim.backends.backend import Bank
 from vitruvius.sim.backends.body import Body
 from vitruvius.sim.backends.grid.cells import Cells
-from vitruvius.sim.backends.kinds import codes
+from vitruvius.sim.backends.piece_kinds import codes
 from vitruvius.sim.backends.rays import EXACT, OVERLAP, Rays, directions
 from vitruvius.sim.config import Config
 from vitruvius.sim.geometry import geometry

@@ -10,7 +10,7 @@ from tests.agent.planner.brute_force import about, distances, fewest_actions, ne
 from tests.agent.planner.conftest import E, Walk, ask
 from tests.sample_houses import random_house
 from vitruvius.agent.learning.environments import make_envs, shield
-from vitruvius.agent.planner.paths import FAR
+from vitruvius.agent.planner.paths import UNREACHED
 from vitruvius.agent.policies.policies import Explorer
 from vitruvius.sim import HouseVectorEnv
 from vitruvius.sim.actions import FORWARD
@@ -92,7 +92,7 @@ def test_a_body_that_stands_at_a_known_target_without_touching_it_searches_again
     distance = planner.arrays["distance"].view().reshape(6, SIDE, SIDE)
     for _ in range(60):
         far, known = planner.read("path").numpy().copy(), planner.read("known").numpy() > 0
-        away = known & (far > 30) & (far < FAR)
+        away = known & (far > 30) & (far < UNREACHED)
         for e in np.flatnonzero(away):
             x, y, _ = planner.pose(int(e))
             near = [np.arange(int(at) - 2, int(at) + 4) % SIDE for at in (y, x)]

@@ -13,7 +13,7 @@ import pytest
 
 from tests.logic.dataset.sets import command, content, made
 from tests.programs import PATIENCE, finished
-from vitruvius.info.kinds import SetOfHouses
+from vitruvius.info.descriptions import SetOfHouses
 from vitruvius.info.recognise import recognised
 from vitruvius.logic import House, HouseSet, LimitReached, generate
 from vitruvius.logic.dataset import shards

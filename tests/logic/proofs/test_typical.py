@@ -20,7 +20,7 @@ from vitruvius.logic.proofs.answer import house_or_proof
 from vitruvius.logic.proofs.giving_way import without
 from vitruvius.logic.request.given_plan import read_plan
 from vitruvius.logic.request.house_request import HouseRequest
-from vitruvius.logic.why.kinds import witness_of
+from vitruvius.logic.why.witnesses import witness_of
 
 pytestmark = pytest.mark.second_part("many flats are furnished")
 

@@ -18,7 +18,7 @@ from shapely import LineString, Polygon
 from tests.logic.readers.test_geojson import on_earth
 from tests.plans import flat
 from tests.thick import faces, thickened
-from vitruvius.info.kinds import Houses
+from vitruvius.info.descriptions import Houses
 from vitruvius.info.reading import UnknownFileError
 from vitruvius.info.recognise import recognised
 from vitruvius.logic import House, HouseFileError, PlanWarning, load

@@ -10,8 +10,8 @@ from vitruvius.logic.house.part_names import doors_by_name
 from vitruvius.logic.request.brief import read_brief
 from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.why.answer import Why
-from vitruvius.logic.why.kinds import witness_of
 from vitruvius.logic.why.witness import Witness
+from vitruvius.logic.why.witnesses import witness_of
 
 WANTED: dict[str, Any] = {
     "rooms": [

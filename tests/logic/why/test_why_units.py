@@ -11,8 +11,8 @@ from vitruvius.logic.house.part_names import doors_by_name, part_names
 from vitruvius.logic.placement.bounds import wall_bounds
 from vitruvius.logic.request.house_request import HouseRequest
 from vitruvius.logic.why.answer import Why
-from vitruvius.logic.why.kinds import witness_of
 from vitruvius.logic.why.units import UnitsWitness
+from vitruvius.logic.why.witnesses import witness_of
 
 
 @pytest.fixture(scope="module")
