@@ -1,7 +1,8 @@
 """The loop of generation: sample a layout, place it, furnish it, and learn from what failed.
 
-Each kind of house has ``Stages`` of its own: a star, a plan of shared walls, a house by a brief, a house in a
-given plan, a unit, and a building of units. The stages of a building run the loop again for its units.
+Each kind of house has ``Stages`` of its own: a star (rooms around a main room), a plan of shared walls, a
+house by a brief, a house in a given plan, a unit, and a building of units. The stages of a building run the
+loop again for its units.
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -52,10 +53,10 @@ def made(stages: Stages[Sampled, Placed, Made]) -> Made:
 
 
 class Work:
-    """Random numbers of a house, and the Prolog inferences that are left for its lengths."""
+    """Random numbers for a house, and the number of Prolog inferences that its lengths may still use."""
 
     def __init__(self, rng: np.random.Generator, inferences: int) -> None:
-        """Set both."""
+        """Set the random generator and the number of inferences."""
         self.rng, self.inferences = rng, inferences
 
     def seed(self) -> int:
@@ -78,14 +79,14 @@ class Maker:
     """Generator of the houses of one topology, of one brief, or in one plan."""
 
     feasibility: Feasibility
-    """Rules of the houses, to prove that there is none."""
+    """Rules for the proof that a request has no house."""
     made: Callable[[HouseRequest, Work], tuple[House, Any]]
-    """Returns a furnished house, a function of the request and the random numbers, and its origin.
+    """Returns a furnished house and its origin. The request and the random numbers determine the house.
 
-    Raises ``NoLayout`` if there is provably none, ``OutOfInferences`` and ``LimitReached`` at limits.
+    Raises ``NoLayout`` if there is provably no house, ``OutOfInferences`` and ``LimitReached`` at limits.
     """
     stated: Callable[[HouseRequest], Program]
-    """Returns a program with the facts of the grammar for the request, from which promises follow."""
+    """Returns a program with the grammar's facts for the request, from which the houses' promises follow."""
     of_units: Feasibility | None = None
     """Rules of the choice of units, for houses of units."""
 
@@ -99,18 +100,18 @@ class NoLayout(Exception):
 
     request: HouseRequest
     feasibility: Feasibility
-    """Rules by which to prove it."""
+    """Rules for the proof."""
     unfurnishable: Collection[str] = ()
     """Room types that cannot be furnished at any size."""
     orders: Sequence[Mapping[Symbol, bool]] = ()
-    """Orders of the rooms that do not fit between the fixed rooms."""
+    """Orders in which the rooms do not fit between the fixed rooms."""
     refuted: Sequence[Refuted] = ()
     """Rooms of the user's plan that cannot be furnished."""
 
 
 @dataclass
 class NoUnits(NoLayout):
-    """Evidence that a request has no house of units, some of which are infeasible."""
+    """Evidence that a request has no house of units, with the infeasible units."""
 
     unit: Feasibility = field(kw_only=True)
     """Rules of one unit."""

@@ -55,7 +55,7 @@ class Record(msgspec.Struct, forbid_unknown_fields=True):
 
 
 class HouseRequest(msgspec.Struct, frozen=True, dict=True, forbid_unknown_fields=True):
-    """Houses that a user wants: all that they depend on, apart from seed and index.
+    """Request for houses: all that the houses depend on, apart from seed and index.
 
     ``types`` gives numbers of rooms of a type. ``furniture`` gives numbers of pieces in each room that may
     have them (``bed``) or in rooms of one type (``bedroom.bed``). If both are given, both hold. Raises
@@ -63,7 +63,7 @@ class HouseRequest(msgspec.Struct, frozen=True, dict=True, forbid_unknown_fields
     """
 
     rooms: int
-    """Number of rooms, without a star's main room; of a range, the least number."""
+    """Number of rooms, or the least number of a range. A star's main room does not count."""
     types: Mapping[str, Range] = {}
     furniture: Mapping[str, Range] = {}
     cell: float = 0.0
@@ -93,7 +93,7 @@ class HouseRequest(msgspec.Struct, frozen=True, dict=True, forbid_unknown_fields
                 as_range(f"{noun} {name}", wanted)
         if self.cell and not BODY <= self.cell <= MAX_CELL_M:
             raise RequestError(
-                f"cell must be {BODY} m (the body's width) to {MAX_CELL_M} m, not {self.cell!r}"
+                f"cell must be {BODY} m (the robot's width) to {MAX_CELL_M} m, not {self.cell!r}"
             )
         whole("inferences", self.inferences, 1)
         if not 0 < self.seconds < MAX_SECONDS:
@@ -173,7 +173,7 @@ class HouseRequest(msgspec.Struct, frozen=True, dict=True, forbid_unknown_fields
 
     @property
     def states_rooms(self) -> bool:
-        """True if the request states what the rooms are, so that typical rules may give way to it."""
+        """True if the request states types, a brief or a plan, to which typical rules may give way."""
         return bool(self.types or self.given)
 
     @property
@@ -184,7 +184,8 @@ class HouseRequest(msgspec.Struct, frozen=True, dict=True, forbid_unknown_fields
     def at(self, index: int) -> "HouseRequest":
         """Return the request of house ``index``.
 
-        Houses of a range take its numbers of rooms in turn, beginning with the least.
+        The houses of a range take its numbers of rooms in turn: the least number first, and again after the
+        greatest.
         """
         if self.most_rooms is None:
             return self
@@ -196,7 +197,7 @@ class HouseRequest(msgspec.Struct, frozen=True, dict=True, forbid_unknown_fields
         return (self.at(index) for index in range((self.most_rooms or self.rooms) - self.rooms + 1))
 
     def furniture_of(self, type_: str) -> list[tuple[str, str, Range]]:
-        """Return the required furniture of a room of this type: name of the count, piece, and range."""
+        """Return each count that holds in a room of this type: name of the count, piece, and range."""
         found = []
         for name, wanted in sorted(self.furniture.items()):
             of, _, piece = name.rpartition(".")
