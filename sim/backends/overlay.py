@@ -11,8 +11,8 @@ An environment's step uses an overlay in this order:
     advance  the things move, pushed by the body or by themselves
     hide     rays that reach a thing end there
 
-To add an overlay, write a class with these methods, add it to ``OVERLAYS`` in ``sim.world.overlays``, and let
-``asked`` be true for a field of ``Config``.
+To add an overlay, write a class with these methods, and add it to ``OVERLAYS`` in ``sim.world.overlays``. Its
+method ``asked`` returns True if a field of ``Config`` asks for the overlay.
 """
 
 from collections.abc import Mapping, Sequence
@@ -40,7 +40,7 @@ class Overlay(Protocol):
     """Code of its things in rays and in ``Now.bumped``: see ``sim.backends.backend``."""
 
     COLUMN: ClassVar[str]
-    """Name of the column of ``Config.columns`` that is 1 for a ray that ends on a thing, if there is one."""
+    """Name of the overlay's column, if ``Config.columns`` has it: 1 for a ray that ends on a thing."""
 
     def __init__(self, config: Config, body: Any, lanes: int) -> None:
         """Take a configuration, a backend's body, and the number of rays that are cast together."""
@@ -68,7 +68,8 @@ class Overlay(Protocol):
     def cut(self, world: Any, e: Any, state: Any, action: Any, moved: Any, blocked: Any) -> Any:
         """Return the state after the move, ``blocked``, and the thing that the body meets, -1 for none (i32).
 
-        ``state`` is from before the move; ``moved`` is the result of the move in the house alone.
+        ``state`` is from before the move. ``moved`` and ``blocked`` are the results of the move in the house
+        alone: the state, and whether something stopped the body.
         """
         ...
 
@@ -77,7 +78,7 @@ class Overlay(Protocol):
         ...
 
     def hide(self, world: Any, e: Any, state: Any, ray: Any, distance: Any, kind: Any) -> None:
-        """Shorten the rays, from number ``ray`` on, that end on a thing."""
+        """Shorten each ray that ends on a thing, among the rays from number ``ray`` on."""
         ...
 
     @staticmethod

@@ -37,8 +37,8 @@ MAX_SERIAL_ENVS = 64
 """Largest number of environments that one thread steps faster than several threads."""
 
 MOST_PLACES, MOST_ALONG = 1 << 26, 1 << 16
-"""Largest number of places of a house's lattice, because a survey keeps the places in memory, and largest
-number of places along an axis, because it has 16 bits."""
+"""Largest number of places of a house's lattice: a survey keeps all places in memory. Largest number of
+places along an axis: a place's number along an axis has 16 bits."""
 
 BATCH = 256
 """Number of houses that are surveyed together; it bounds the memory of packing."""
@@ -106,7 +106,7 @@ class World:
             raise ValueError("several targets at once support neither the distance to the target nor latency")
 
     def _made(self, row: ArrayRow) -> Array:
-        """Return an array of the table, initially zero."""
+        """Return a new array for a row of the table, filled with zeros."""
         return row.array(self.kind, self.kind.sizes(self.num_envs))
 
     def load(self, houses: Sequence[House], targets: Targets | None = None) -> None:
@@ -244,7 +244,7 @@ class World:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return poses (E, 3) in houses (E,) as origins (E, 2) float32 and cells (E, 3) int32.
 
-        Bodies that drive have headings (E,) float32 in the place of cells. ``bank``: the bank of the houses,
+        Bodies that drive have headings (E,) float32 instead of cells. ``bank``: the bank of the houses,
         by default this world's. Raises ``ValueError`` for a pose where the body cannot be.
         """
         bank = bank or self.bank
@@ -274,8 +274,8 @@ class World:
         """Return copies of the eyes' poses (E, 3), the targets' centres (E, 2) and the houses (E,).
 
         ``last``: return the state at the end of the latest episode, if the same step begins the next one.
-        ``stepped``: True right after a step; for few environments the step has then described the state
-        already.
+        ``stepped``: True right after a step. A step of few environments (``FEW``) has already described the
+        state, so the kernel ``describe`` does not run again.
         """
         if last:
             self._describe_last()
@@ -286,7 +286,7 @@ class World:
 
     @cached_property
     def _describe_last(self) -> Launch:
-        """Launch that describes the last states. It reads no array of the bank, so it stays bound."""
+        """Launch that describes the last states. It reads no array of the bank, so ``_bind`` skips it."""
         last = {"reals": self.arrays["last_reals"], "wholes": self.arrays["last_wholes"]}
         return Launch(self.kernels.describe, self.arrays | last)
 
@@ -297,7 +297,7 @@ class World:
         return arrays["targets"].numpy().reshape(self.num_envs, count, 2)
 
     def environment(self, e: int) -> dict[str, int]:
-        """Return an environment's counters: steps, targets found + 1, end of the episode, its number."""
+        """Return an environment's counters: steps, targets found plus 1, end and number of the episode."""
         whole = self.arrays["wholes"].numpy()[e]
         return {
             "time": int(whole[TIME]),
