@@ -43,8 +43,8 @@ class TrainConfig:
     such as '{"task": "reach", "room": "kitchen"}'."""
 
     world: Literal["default", "drive", "paper"] = "default"
-    """Preset of the simulator. drive: bodies drive by commands, in the backend free, without an avoidance
-    layer."""
+    """Preset of the simulator. drive: actions are speed commands, in the backend free, without an
+    avoidance layer."""
 
     sim: Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="FIELD=VALUE")] = ()
     """Field of the simulator's configuration that replaces the preset's (sim/config.py lists them), as in
@@ -61,7 +61,7 @@ class TrainConfig:
     """Environment steps of the whole run; the schedules below are fractions of it."""
 
     seconds: float | None = None
-    """Wall-clock limit: the schedules then follow whichever of steps and seconds is further on. Without a
+    """Wall-clock limit. The schedules then follow steps or seconds, whichever is nearer to its end. Without a
     limit, a run on the CPU is a function of config, houses and seed alone."""
 
     seed: int = 0
@@ -71,8 +71,8 @@ class TrainConfig:
     """Device of the environments and the network."""
 
     threads: int = 1
-    """Number of cores that torch may use. More cores help little with batches this small, and sums depend on
-    their number."""
+    """Number of cores that torch may use. More cores help little with such small batches, and the rounding
+    of sums depends on the number of cores."""
 
     precision: Literal["highest", "high", "medium"] = "highest"
     """Precision of products of float32 matrices, as in torch: medium may use bfloat16 internally, which is
@@ -97,8 +97,7 @@ class TrainConfig:
     """Default training houses: a name of ``sim.environment.arguments``."""
 
     reads_maps: ClassVar[bool] = False
-    """True if the agent is trained on a body's maps: then it plays no other task than its own, with no other
-    body."""
+    """True if the agent is trained on maps of one body: then it plays only its own task, with that body."""
 
     drives: ClassVar[bool] = False
     """True if the algorithm can learn to drive."""
@@ -112,7 +111,7 @@ class TrainConfig:
 
     @property
     def knows(self) -> tuple[str, ...]:
-        """Signals that its agents act by, in the terms of ``vitruvius.sim.Config.observe``."""
+        """Signals that its agents use, in the terms of ``vitruvius.sim.Config.observe``."""
         return "rays", "bump", "last_action"
 
     @property
@@ -186,7 +185,7 @@ class QLearningConfig(TrainConfig):
 
     @property
     def knows(self) -> tuple[str, ...]:
-        """Signals that the agent acts by. Without a memory, only its avoidance layer knows of collisions."""
+        """Signals that the agent uses. Without a memory, only its avoidance layer knows of collisions."""
         return super().knows if self.remembers else ("rays", "bump")
 
     def __post_init__(self) -> None:
@@ -200,7 +199,7 @@ class QLearningConfig(TrainConfig):
 
 
 def linear(start: float, end: float, progress: float) -> float:
-    """Return the value on the line from start to end at progress 0 to 1, and the end beyond."""
+    """Return the value on the line from start, at progress 0, to end, at progress 1 and beyond."""
     return start + (end - start) * min(max(progress, 0.0), 1.0)
 
 

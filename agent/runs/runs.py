@@ -57,8 +57,8 @@ SAVE_SECONDS = 30.0
 """Seconds between two checkpoints."""
 
 MAX_MORE_STATE_BYTES, MAX_METRICS_BYTES, MAX_TENSORS = 1 << 24, 1 << 28, 1 << 16
-"""Bounds of a run's files: bytes of the uncompressed state beyond twice a new run's, bytes of the reports,
-and number of tensors."""
+"""Bounds of a run's files: bytes by which the uncompressed state may exceed twice the state of a new run,
+bytes of the reports, and number of tensors."""
 
 
 @dataclass(frozen=True)
@@ -143,8 +143,8 @@ def run(
 
     The houses of a ``HouseSet`` or a ``HouseStream`` rotate: see ``sim.HouseRotation``. With ``resume``, a
     run in the folder continues from its last saved state, bit for bit on the CPU; in an empty folder a new
-    run begins. ``every`` is the time between two lines of progress in a pipe, in seconds; None: no lines.
-    ``watching`` has the options for evaluation, checkpoints and the hook.
+    run begins. ``every`` is the number of seconds between two lines of progress, if the output is a pipe;
+    None: no lines. ``watching`` has the options for evaluation, checkpoints and the hook.
 
     Raises ``RequestError`` for a folder in use or with another run; ``Diverged`` if the loss is NaN or
     explodes, and keeps the last good checkpoint. After a signal, saves the run and raises the signal's error
@@ -210,7 +210,7 @@ def _learn(
     """Train to the end, or to the first report after a signal. Save the run then, and every half minute."""
     config, houses = learner.config, learner.houses
     history = _resumed(learner, folder) if resume and folder.state.exists() else []
-    # Houses of a set or a stream are not named: none of them is reserved for evaluation.
+    # A checkpoint lists no houses of a set or a stream: none of them is reserved for evaluation.
     unnamed = isinstance(houses, HouseSet | HouseStream)
     learnt_in = frozenset[int]() if unnamed else frozenset(map(house_key, houses))
     made = Checkpoint(learner.network, config, 0, name, bank_hash(houses), command, learnt_in)

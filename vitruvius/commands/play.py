@@ -31,7 +31,7 @@ class Play:
     groups: ClassVar = {"house": "The game", "player": "Results"}
 
     houses: tyro.conf.Positional[Streamed] = Path(banks.NAME)
-    """House file, or a held-out set, such as test-v1 or home-test-v1; or the paper's house, paper-house."""
+    """House file; or a held-out set, such as test-v1; or paper-house, the house of the paper."""
 
     house: int | None = None
     """Index of the house in the file, from 0; by default all houses, one after the other."""

@@ -32,7 +32,7 @@ class Record:
     """Checkpoint (vitruvius train makes one), or the name of an agent that comes with the project."""
 
     houses: tyro.conf.Positional[Streamed]
-    """House file, or a held-out set, such as test-v1 or home-test-v1; or the paper's house, paper-house."""
+    """House file; or a held-out set, such as test-v1; or paper-house, the house of the paper."""
 
     house: int = 0
     """Index of the house in the file, from 0."""
