@@ -279,7 +279,9 @@ def folder(grammar: str | Path) -> Path:
         meant = f": did you mean {directory.parent}?" if directory.suffix in (".lp", ".pl") else ""
         raise GrammarError(f"is a file, but a grammar is a folder of rule files{meant}", directory)
     if not directory.is_dir():
-        raise GrammarError(f"there is no such directory, and {unknown('grammar', grammar, shipped())}")
+        raise GrammarError(
+            f"{grammar}: there is no such directory, and {unknown('grammar', grammar, shipped())}"
+        )
     return directory.resolve()
 
 

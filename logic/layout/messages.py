@@ -83,7 +83,9 @@ def placed_error(remark: str) -> GrammarError:
         hints = [hint for pattern, hint in SYNTAX.items() if pattern.search(written)]
     if text.startswith("syntax error"):
         end = "EOF" in text and "the last statement has no period at its end"
-        hints = hints or [end or "is a comma missing before it, or a period after the statement above?"]
+        hints = hints or [
+            end or "perhaps a comma is missing before it, or a period after the statement above"
+        ]
     return GrammarError(": ".join([text, *hints[:1], written]), file, line, column)
 
 

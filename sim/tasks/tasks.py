@@ -284,8 +284,8 @@ def task(targets: Targets) -> AnyTask:
     if name not in [*TASKS, *TARGETS] and not is_class_name(name):
         names = TASKS if given is targets else [*TARGETS, *PAPER_TASKS]
         raise ValueError(
-            f'targets: {unknown("task", name, names)}, or give module:Class, or {{"task": ...}} with '
-            f"{', '.join(TASKS)} or module:Class"
+            f'targets: {unknown("task", name, names)}, or give module:Class, or JSON, as {{"task": NAME}}, '
+            f"where NAME is {', '.join(TASKS)} or module:Class"
         )
     try:
         if "terms" in arguments:

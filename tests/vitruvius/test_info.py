@@ -163,7 +163,7 @@ def test_folders_and_names_that_are_nothing_say_what_there_is(tmp_path: Path) ->
         recognised(str(tmp_path))
     with pytest.raises(UnknownFileError, match=r"did you mean .*/houses\.jsonl\?"):
         recognised(str(tmp_path / "hoses.jsonl"))
-    with pytest.raises(UnknownFileError, match=r"there is no name test-v2: did you mean test-v1\?"):
+    with pytest.raises(UnknownFileError, match=r"agent or set of houses test-v2: did you mean test-v1\?"):
         recognised("test-v2")
     (tmp_path / "config.json").write_text("{}")
     with pytest.raises(UnknownFileError, match=r"its config.json is not that of a run. Train"):

@@ -229,8 +229,8 @@ class Generate:
         least, most = int(found[1]), int(found[2] or found[1])
         if least != most and self.shard is None:
             raise RequestError(
-                f"--rooms {self.rooms}: a range of rooms needs a set: name its shards with --shard, as in "
-                "all/8, and its folder with --out"
+                f"--rooms {self.rooms}: only a set of houses can have a range of rooms: add its shards, as "
+                "in --shard all/8, and its folder, as in --out houses"
             )
         return least if least == most else (least, most)
 

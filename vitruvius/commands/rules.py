@@ -134,7 +134,7 @@ class Explain:
         asked |= {"--brief": self.brief, "--plan": self.plan}
         if given := [option for option, value in asked.items() if value]:
             raise RequestError(
-                f"{' and '.join(given)}: these options describe a request: give them or {file}, not both"
+                f"{' and '.join(given)}: options of a request do not apply to {file}: leave out these or it"
             )
         if self.why is None:
             raise RequestError(

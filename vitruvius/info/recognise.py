@@ -53,7 +53,9 @@ def recognised(name: str) -> list[Kind]:
         beside = [str(each) for each in sorted(path.parent.glob("*"))]
         if (close := closest(name, [*beside, *names])) in beside:
             raise UnknownFileError(f"{name}: there is no such file: did you mean {close}?")
-        raise UnknownFileError(f"{name}: there is no such file, and {unknown('name', name, names)}")
+        raise UnknownFileError(
+            f"{name}: there is no such file, and {unknown('grammar, agent or set of houses', name, names)}"
+        )
     return found
 
 

@@ -677,7 +677,7 @@ MISTAKES = (
         old="",
         new=":- room(R,T) side(R,S).",
         at="side",
-        says="is a comma missing before it",
+        says="a comma is missing before it",
     ),
     Mistake(
         "and for a comma",
