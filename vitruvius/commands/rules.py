@@ -134,7 +134,7 @@ class Explain:
         asked |= {"--brief": self.brief, "--plan": self.plan}
         if given := [option for option, value in asked.items() if value]:
             raise RequestError(
-                f"{' and '.join(given)}: only for a request, not for {file}: leave out the options or the file"
+                f"{' and '.join(given)}: for a request, not for {file}: leave out the options or the file"
             )
         if self.why is None:
             raise RequestError(

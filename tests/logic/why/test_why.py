@@ -529,7 +529,7 @@ def test_a_choice_is_explained_once_by_the_comment_above_it(family: Explained) -
         ((), "explain --rooms 3 .* or a part of a house"),
         (("--why", "R0"), "explain --rooms 3 .* or a part of a house"),
         (("HOUSES",), ": name a part with --why"),
-        (("HOUSES", "--why", "R0", "--rooms", "3"), "--rooms: these options describe a"),
+        (("HOUSES", "--why", "R0", "--rooms", "3"), "--rooms: for a request, not for"),
         (("HOUSES", "--why", "R0", "--house", "1"), "has houses 0 to 0"),
     ],
 )

@@ -72,7 +72,7 @@ export class Clingo {
     const [, hint] = this.hints.find(([pattern]) => new RegExp(pattern).test(written(line))) ?? [];
     const otherwise = text.includes("EOF")
       ? "the last statement has no period at its end"
-      : "is a comma missing before it, or a period after the statement above?";
+      : "perhaps a comma is missing before it, or a period after the statement above";
     return { severity, file, line, column, text: [text, hint ?? otherwise, written(line)].filter(Boolean).join(": ") };
   }
 
