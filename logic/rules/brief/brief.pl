@@ -1,18 +1,19 @@
 :- module(brief, [brief_constraints//2, area_items/4, grammar_item/2, has_area/2, item_range/2, items_decided//6, outer_system/3, middle/2, areas_bounded/3,
                   near_sample//4, held/2, halves/3, sizes_at/3, widest_miss/4, widened/3]).
 
-/** <module> What a brief says of lengths and areas, beside the walls of a layout
+/** <module> Lengths and areas that a brief requires, in addition to the walls of a layout
 
 Lengths of requirements are whole millimetres, areas square centimetres (brief.lp). A box is room(B,Type,Sides,Edges) as in
 walls.pl: a room, a void, or the `outline`.
 
-An area between Least and Most is no linear constraint. Where the shape of a box is nearly known, as stage 1 has chosen it, one
-tangent of W*D = Most and some chords of W*D = Least let in no size that is wrong, and most that are right: where these have a
-solution, it is exact. For a refutation it is the other way round: tangents of W*D = Least and the chord of W*D = Most over the
-widths that stage 1 leaves lose no size that is right. Where neither decides, the widths of a box are halved.
+An area between Least and Most is no linear constraint, so two linear systems replace it. The inner system has a tangent of
+W*D = Most and some chords of W*D = Least, near the shape that stage 1 has chosen. It admits no wrong size and most right sizes, so
+each of its solutions is right. The outer system has tangents of W*D = Least and the chord of W*D = Most, over the widths that
+stage 1 leaves. It excludes no right size, so each of its conflicts is right. If neither system decides, the search halves the widths
+of a box.
 
-An item is item(W,D,Least-Most,Why,Range,Wide): Range is W1-W2 with the reasons of both ends, from(W1,Why1)-upto(W2,Why2), and Wide
-is one around it, of which more shapes are refuted at once. All is in metres: a house by a brief lies on no grid.
+An item is item(W,D,Least-Most,Why,Range,Wide): Range is W1-W2 with the reasons of both ends, from(W1,Why1)-upto(W2,Why2). Wide is a
+wider range around Range, so that one conflict refutes more shapes. All lengths are metres: a house by a brief lies on no grid.
 */
 
 :- use_module(library(apply)).
@@ -28,7 +29,7 @@ is one around it, of which more shapes are refuted at once. All is in metres: a 
 :- use_module('../shared_walls/lines').
 :- use_module('../shared_walls/openings').
 
-% No side of a box with an area is shorter, in metres.
+% Least side of a box with an area, in metres.
 least_side(0.5).
 
 % - lines that are linear ----------------------------------------------------------------------------------------------
@@ -68,7 +69,7 @@ turned_sides(_, _, Same/Same, Same/Same, []) :- !.
 turned_sides(Atoms, R, One/Other, Other/One, [turned(R)]) :- memberchk(turned(R), Atoms), !.
 turned_sides(_, R, One/Other, One/Other, [not(turned(R))]).
 
-%   between(+Length, +Millimetres, +Why)//: what has one value only is an equation, which leaves CLP(R) one unknown less.
+%   between(+Length, +Millimetres, +Why)//: a length with one value is an equation, which leaves CLP(R) one unknown less.
 
 between(X, L-L, Why) --> !, { Metres is L/1000 }, [(X = Metres)-Why].
 between(X, L-M, Why) --> { Low is L/1000, High is M/1000 }, [(Low =< X)-Why, (X =< High)-Why].
@@ -94,7 +95,7 @@ has_area(Atoms, Box) :- memberchk(granted(area(Box,_,_)), Atoms).
 
 %!  area_items(+Atoms, +Boxes, -Items, -Sides) is det.
 %
-%   Items of all boxes with an area, and the constraint of each that its sides are no slits.
+%   Items has an item for each box with an area. Sides has the constraints that the sides of these boxes are not too short.
 
 area_items(Atoms, Boxes, Items, Sides) :-
     findall(area(B,L,M), member(granted(area(B,L,M)), Atoms), Areas),
@@ -103,7 +104,7 @@ area_items(Atoms, Boxes, Items, Sides) :-
     append(Items0, Items1),
     ( house_item(Boxes, Item) -> Items = [Item|Items1] ; Items = Items1 ).
 
-%   area_item(+Atoms, +Boxes, +Area, -Items, -Slits): that of the brief, and of the grammar where this says more.
+%   area_item(+Atoms, +Boxes, +Area, -Items, -Slits): the item of the brief's Area, and one of the grammar's area if that is narrower.
 
 area_item(Atoms, Boxes, Area, [item(W,D,Least-Most,Why,Range,Wide)|Others], [(Slit =< W)-Why,(Slit =< D)-Why]) :-
     Area = area(B,L,M), memberchk(room(B,Type,sides(X1,X2,Y1,Y2),Edges), Boxes),
@@ -118,7 +119,8 @@ area_item(Atoms, Boxes, Area, [item(W,D,Least-Most,Why,Range,Wide)|Others], [(Sl
     ->  Others = [item(W,D,Least1-Most1,[room_area(Type),room(B,Type)|Lines],Range,Wide)]
     ;   Others = [] ).
 
-%   width_range(+Away, +Box, +Atoms, +Slit, +Most, -Range): between the steps that stage 1 has chosen, or those that lie so far Away.
+%   width_range(+Away, +Box, +Atoms, +Slit, +Most, -Range): the widths of the step that stage 1 has chosen, and of Away steps on
+%   either side.
 
 width_range(Away, B, Atoms, Slit, Most, from(Low,WhyLow)-upto(High,WhyHigh)) :-
     (   memberchk(slim(B,First), Atoms), between(0, Away, Less), Last is First + Away - Less, memberchk(step(B,Last,_,V,_,_), Atoms)
@@ -140,8 +142,8 @@ grammar_item(room(R,Type,sides(X1,X2,Y1,Y2),edges(E1,E2,E3,E4)), Item) :-
 
 item_range(item(_,_,_,_,Range,_), Range).
 
-%   house_item(+Boxes, -Item) is semidet: the area of the house that the grammar states. With walls it is less than that of the outline,
-%   and no brief has both (logic/generation/brief.py).
+%   house_item(+Boxes, -Item) is semidet: the area of the house that the grammar states. With walls it is less than
+%   the area of the outline. A brief excludes that case (logic/generation/brief.py).
 
 house_item(Boxes, item(X2-X1,Y2-Y1,Least-Most,[house_area],Range,Range)) :-
     clause(grammar:house_area(_,_), _), grammar:house_area(Least, Most), !,
@@ -150,12 +152,13 @@ house_item(Boxes, item(X2-X1,Y2-Y1,Least-Most,[house_area],Range,Range)) :-
     least_side(Slit), High is Most/Slit,
     Range = from(Slit,[])-upto(High,[]).
 
-% - whether there are lengths that have the areas ------------------------------------------------------------------------
+% - a search for lengths that have the areas ------------------------------------------------------------------------
 
 %!  items_decided(+Proof, ?Lines, +Rooms, +System, +Items, -Answer)// is det.
 %
-%   Answer is `placed`, and all Lines are numbers, sampled as by lines_sample//4; refuted(Conflict), a part of the System and of
-%   what follows from the Items that is refuted in rational arithmetic, a minimal one where the Proof is `minimal`; or `open`.
+%   Answer is one of three. `placed`: all Lines are numbers, sampled as by lines_sample//4. refuted(Conflict): rational arithmetic
+%   refutes the Conflict, a part of the System and of constraints that follow from the Items; it is minimal if the Proof is `minimal`.
+%   `open`: the search found neither.
 
 items_decided(Proof, Lines, Rooms, System, Items, Answer) -->
     decided(24, _, Proof, layout(Lines,Rooms,System), Items, Answer).
@@ -194,7 +197,7 @@ halves(item(W,D,Area,Why,from(W1,Why1)-upto(W2,Why2),_), Lower, Upper) :-
     Range1 = from(W1,Both)-upto(Half,Both), Lower = item(W,D,Area,Why,Range1,Range1),
     Range2 = from(Half,Both)-upto(W2,Both), Upper = item(W,D,Area,Why,Range2,Range2).
 
-%   held(+Layout, -Held): the same, or where CLP(R) is wrong, with constraints that are eased by a tenth of a micrometre.
+%   held(+Layout, -Held): Held is the Layout. If CLP(R) wrongly refutes it, Held has constraints eased by a tenth of a micrometre.
 
 held(layout(Lines,Rooms,System), layout(Lines,Rooms,Held)) :- ( \+ posted(System) -> maplist(eased, System, Held) ; Held = System ).
 
@@ -203,8 +206,8 @@ eased((A = B)-Why, (A = B)-Why).
 
 chosen_width(item(_,_,_,_,from(W1,_)-upto(W2,_),_), W) :- W is sqrt(W1*W2).
 
-%   near_sample(+Tries, +Layout, +Items, +Widths)// is semidet: about these shapes, or those that come as near to the areas as these
-%   let them, again and again.
+%   near_sample(+Tries, +Layout, +Items, +Widths)// is semidet: samples lines near the shapes of these Widths. If it fails, it repeats,
+%   up to Tries times, with shapes that come nearer to the areas.
 
 near_sample(_, Layout, Items, Widths) --> inner_sample(Layout, Items, Widths), !.
 near_sample(Tries, Layout, Items, Widths) -->
@@ -218,7 +221,7 @@ nearest(System, Items, Widths, Nearer) :-
     sizes_at(at(Xs,Values), Items, Sizes),
     pairs_keys(Sizes, Nearer).
 
-%   off(+Constraints, +Sum, -More): they are off by no more than a share that is added to the Sum.
+%   off(+Constraints, +Sum, -More): More is the Sum and a share by which the Constraints are violated at most.
 
 off(Constraints, Sum, Sum+Share) :- {Share >= 0}, maplist(off_by(Share), Constraints).
 
@@ -228,8 +231,8 @@ inner_sample(layout(Lines,Rooms,System), Items, Widths) -->
     { maplist(inner, Items, Widths, Inner), append([System|Inner], All) },
     lines_sample(real, Lines, Rooms, All).
 
-%   inner(+Item, +Width, -Constraints): about a shape of this width, what lets in no wrong size. The tangent of the greatest area
-%   leaves the widths between W1 and W2; over these the chords of the least one.
+%   inner(+Item, +Width, -Constraints): constraints near a shape of this width that admit no wrong size. The tangent of the greatest area
+%   leaves the widths between W1 and W2. The chords of the least area span these widths.
 
 inner(item(W,D,Least-Most,Why,_,_), Width, [(Steep*W + D =< Sum)-Why|Chords]) :-
     Steep is sqrt(Least*Most)/Width**2, Sum is 2*sqrt(Steep*Most),
@@ -241,15 +244,15 @@ inner(item(W,D,Least-Most,Why,_,_), Width, [(Steep*W + D =< Sum)-Why|Chords]) :-
 
 inner_chord(W, D, Area, Why, W1-W2, (Sum =< Slope*W + D)-Why) :- Slope is Area/(W1*W2), Sum is Area/W1 + Area/W2.
 
-% - that no lengths have them ------------------------------------------------------------------------------------------------
+% - proofs that no lengths have them ------------------------------------------------------------------------------------------------
 
 %!  outer_system(+System, +Items, -All) is det.
 %
-%   All is the System, and what of the Items loses no right size.
+%   All is the System, with constraints from the Items that exclude no right size.
 
 outer_system(System, Items, All) :- maplist(outer, Items, Outer), append([System|Outer], All).
 
-%   A little is added for what floats are off: the constraints are looked at in rational arithmetic.
+%   A small margin covers the rounding of floats, since rational arithmetic takes the constraints as exact.
 
 outer(item(W,D,Least-Most,Why,from(W1,Why1)-upto(W2,Why2),_), [(W1 =< W)-Lower,(W =< W2)-Upper,(Slope*W + D =< Sum)-All|Tangents]) :-
     append(Why, Why1, Lower), append(Why, Why2, Upper), append(Lower, Why2, All),
@@ -261,11 +264,11 @@ outer_tangent(W, D, Area, Why, At, (Sum =< Slope*W + D)-Why) :- Slope is Area/At
 
 %!  areas_bounded(+System, +Items, -All) is det.
 %
-%   All is the System, and what follows from the areas for whatever widths.
+%   All is the System, with constraints that follow from the areas for all widths.
 
 areas_bounded(System, Items, All) :- maplist(widened(any), Items, Wide), outer_system(System, Wide, All).
 
-%   widened(+Scope, +Item, -Wide): with a wide range, or all widths that its area leaves, whatever stage 1 has chosen.
+%   widened(+Scope, +Item, -Wide): Wide is the Item with its wide range, or, for the Scope `any`, with all widths that its area permits.
 
 widened(wide, item(W,D,Area,Why,_,Wide), item(W,D,Area,Why,Wide,Wide)).
 widened(any, item(W,D,Least-Most,Why,_,_), item(W,D,Least-Most,Why,Range,Range)) :-
@@ -273,9 +276,9 @@ widened(any, item(W,D,Least-Most,Why,_,_), item(W,D,Least-Most,Why,Range,Range))
 
 %!  middle(+System, -Middle) is semidet.
 %
-%   Middle is at(Xs,Values), a point in which the System holds with as much to spare as there is, or impossible(Conflict). All
-%   constraints are loosened by the least amount with which they have a solution: those that bind there are in conflict where
-%   that is more than nothing. It is confirmed in rational arithmetic.
+%   Middle is at(Xs,Values), a point where the System holds with the greatest slack, or impossible(Conflict). All constraints are
+%   loosened by the least amount with which they have a solution. If this amount is positive, the constraints that bind there are in
+%   conflict. Rational arithmetic confirms the conflict.
 
 middle(System, impossible(Conflict)) :- impossible(System, Conflict), !.
 middle(System, Middle) :-
@@ -288,12 +291,12 @@ middle(System, Middle) :-
         Middle = impossible(Conflict)
     ;   Middle = at(Xs, Values) ).
 
-%   impossible(+System, -Conflict) is semidet: what CLP(R) refutes of it, CLP(Q) refutes too.
+%   impossible(+System, -Conflict) is semidet: CLP(R) refutes the System, and CLP(Q) confirms the Conflict.
 
 impossible(System, Conflict) :- findall(Count, posted(System, Count), [Count]), confirmed_conflict(minimal, System, Count, Conflict).
 
-%   least_loose(+Equations, +System, +Xs, -T, -Values) is semidet. The Equations are `kept` where they have a solution, so that the
-%   others have something to spare.
+%   least_loose(+Equations, +System, +Xs, -T, -Values) is semidet. If the equations have a solution, Equations is `kept`:
+%   they are not loosened, so that the other constraints have slack.
 
 least_loose(Equations, System, Xs, T, Values) :- {Loose >= -1}, maplist(loosened(Equations, Loose), System), inf(Loose, T, Xs, Values).
 
@@ -301,7 +304,7 @@ loosened(_, T, (A =< B)-_)       :- {A - T =< B}.
 loosened(kept, _, (A = B)-_)     :- {A = B}.
 loosened(loosened, T, (A = B)-_) :- {A - T =< B, B - T =< A}.
 
-%   binding(+There, +System, +T, -Tight): those of the System that bind, as they are There.
+%   binding(+There, +System, +T, -Tight): the constraints of the System that bind. There has the same constraints with numbers.
 
 binding([], [], _, []).
 binding([C-_|There], [Constraint|System], T, Tight) :-
@@ -311,14 +314,14 @@ binding([C-_|There], [Constraint|System], T, Tight) :-
 binds(T, A =< B) :- A - B > T - 1.0e-7.
 binds(_, _ = _).
 
-%   sizes_at(+Middle, +Items, -Sizes): how wide and how deep the boxes of the Items are there.
+%   sizes_at(+Middle, +Items, -Sizes): Width-Depth of the box of each Item at the point Middle.
 
 sizes_at(at(Xs,Values), Items, Sizes) :- copy_term(Xs-Items, Values-There), maplist(size_of, There, Sizes).
 
 size_of(item(W,D,_,_,_,_), Width-Depth) :- Width is W, Depth is D.
 
-%   widest_miss(+Items, +Sizes, -Item, -Others) is semidet: the item whose size misses its area by most; fails where none does,
-%   or not by more than floats are off.
+%   widest_miss(+Items, +Sizes, -Item, -Others) is semidet: the item whose size misses its area by most. It fails if no
+%   item misses its area by more than rounding.
 
 widest_miss(Items, Sizes, Item, Others) :-
     maplist(missed, Items, Sizes, Misses),

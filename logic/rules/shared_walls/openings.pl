@@ -2,9 +2,9 @@
 
 /** <module> Doors, windows and the entrance of a plan: room for them in its walls, and then their places
 
-A door joins two rooms in the wall that they share, or a room and the outside. Each takes a part of a wall that belongs to
-no other room there, so that two never overlap. Rooms are those of walls.pl. Where walls have a thickness, a door or window lies half
-an inner one away from the face of its room.
+A door joins two rooms in the wall that they share, or a room and the outside. Each door and window takes a part of a wall
+where no other room adjoins, so that no two overlap. Rooms are terms as in walls.pl. If walls have a thickness, a door or window lies
+half the thickness of an inner wall away from the face of its room.
 */
 
 :- use_module(library(apply)).
@@ -65,8 +65,8 @@ opening_constraints(window(R,Side), Atoms, Rooms) -->
     ;   { Starts = [A1-WhyA|_], Ends = [A2-_|_], append(Why, WhyA, All) },     % the whole side, so any part of it too
         [(A2 =< A1+Most)-All] ).
 
-%   door_reasons(+Door, +Atoms, +EdgesR, +EdgesQ, -Reasons): with a brief, which way it leads is none of them, so that what refutes a
-%   layout refutes it for both ways.
+%   door_reasons(+Door, +Atoms, +EdgesR, +EdgesQ, -Reasons): with a brief, the direction of the door is not a reason, so that a
+%   refutation of a layout holds for both directions.
 
 door_reasons(Door, Atoms, _, _, [Door]) :- \+ memberchk(granted(_), Atoms), !.
 door_reasons(door(R,Q,Line), _, EdgesR, EdgesQ, [linked(First,Second),R1,Q1]) :-
@@ -85,16 +85,16 @@ reaching_from([B-WhyB|Ends], A-WhyA, W, Why) -->
     [(A+W =< B)-All],
     reaching_from(Ends, A-WhyA, W, Why).
 
-%   line_axis(+Line, +Edges, -Axis): along which a wall on this line of the room runs.
+%   line_axis(+Line, +Edges, -Axis): a wall on this line of the room runs along the Axis.
 
 line_axis(Line, edges(edge(_,_,West),edge(_,_,East),_,_), Axis) :- ( ( Line == West ; Line == East ) -> Axis = y ; Axis = x ).
 
 span(x, sides(X1,X2,_,_), edges(West,East,_,_), X1, X2, [West,East]).
 span(y, sides(_,_,Y1,Y2), edges(_,_,North,South), Y1, Y2, [North,South]).
 
-%   outer_wall(+Room, +Side, +Atoms, +Rooms, -Type, -Starts, -Ends): an opening in this side of the room comes after all
-%   Starts, Place-Why, and before all Ends: those of the side, of rooms beyond it (shared_walls/topology.lp), and of the one towards
-%   which a window is.
+%   outer_wall(+Room, +Side, +Atoms, +Rooms, -Type, -Starts, -Ends): an opening in this side of the room lies after all Starts and
+%   before all Ends, each a Place-Why. They are the ends of the side, of the rooms beyond it (shared_walls/topology.lp), and of the
+%   outdoor room that a window is towards.
 
 outer_wall(R, Side, Atoms, Rooms, Type, [A1-Why|Starts], [A2-Why|Ends]) :-
     memberchk(room(R,Type,Sides,Edges), Rooms),
@@ -119,7 +119,8 @@ room_beyond(Axis, Rooms, beyond(R,Side,Q,How), Starts-Ends, More) :-
 
 %!  outer_margin(+Name, -Margin) is det.
 %
-%   So far from the ends of its wall is a door, or a window, in an outer wall: of a neighbour, an outer wall may begin there.
+%   Margin is the least distance from a door or window in an outer wall to the ends of that wall. An outer wall of a neighbour may begin
+%   at an end, and reach into this wall.
 
 outer_margin(Name, Margin) :-
     length_of(Name, Stated), beyond_outline(Beyond),
@@ -127,11 +128,12 @@ outer_margin(Name, Margin) :-
 
 %!  beyond_outline(-Metres) is det.
 %
-%   So much of an outer wall lies outside of where an inner one would end.
+%   Metres is the part of an outer wall's thickness that lies beyond the thickness of an inner wall.
 
 beyond_outline(Beyond) :- maplist(length_of, [inner_wall,outer_wall], [Inner,Outer]), Beyond is Outer - Inner.
 
-%   outer_part(+Room, +Side, +Atoms, +Rooms, -Type, -Start, -End): the part of the side that is left for it, of known walls.
+%   outer_part(+Room, +Side, +Atoms, +Rooms, -Type, -Start, -End): the part of the side that is left for the opening, after all
+%   walls have places.
 
 outer_part(R, Side, Atoms, Rooms, Type, Start, End) :-
     outer_wall(R, Side, Atoms, Rooms, Type, Starts, Ends),
@@ -144,8 +146,8 @@ side_axis(north, x).  side_axis(south, x).  side_axis(east, y).  side_axis(west,
 
 %!  window_walls(+Type, -Least, -Most) is det.
 %
-%   How long an outer wall is that has a window of a room of this type, at least and at most; Most is `any` where there is none. Without a clause,
-%   its margins fit in it.
+%   An outer wall in which a room of this type has a window is Least to Most long. Most is `any` if the length has no upper bound. Without a
+%   clause of window_size/3, Least is the sum of both margins.
 
 window_walls(Type, Least, Most) :-
     outer_margin(window_margin, Margin),
@@ -159,7 +161,7 @@ window_walls(Type, Least, Most) :-
 
 most(X, High) :- ( sup(X, Sup) -> High = Sup ; High = any ).
 
-%   On a grid no window may be of whole cells in the shortest wall.
+%   On a grid, perhaps no window in the shortest wall is a whole number of cells long. Then Least is the shortest wall with such a window.
 
 least_wall(Type, Margin, Wall, Least) :-
     on_grid,
@@ -184,7 +186,7 @@ plan_openings(Atoms, Rooms, plan(Boxes,Doors,Windows)) -->
     clear_doors(doors_sample(Joins, Atoms, Rooms, []), Doors),
     windows_sample(Panes, Atoms, Rooms, Windows).
 
-%   thickness_known(+Rooms): that of the walls, which was an unknown of the constraints.
+%   thickness_known(+Rooms): binds the thickness of inner walls, which was an unknown of the constraints.
 
 thickness_known([room(_,_,sides(X,_,_,_),_)|_]) :- ( compound(X), X = _+T, var(T) -> length_of(inner_wall, T) ; true ).
 
@@ -192,7 +194,7 @@ room_box(room(R,T,sides(X1,X2,Y1,Y2),_), room(R,T,box(X,Y,W,H))) :- X is X1, Y i
 
 %!  joins(+Atoms, -Doors) is det.
 %
-%   All doors of a layout, those to the garden last: of several that lead outside, the first is the entrance.
+%   Doors has all doors of a layout, garden doors last. So the first door to the outside is the entrance.
 
 joins(Atoms, Doors) :-
     findall(D, ( member(D, Atoms), ( D = door(_,_,_) ; D = entrance(_,_) ) ), Doors0),
@@ -228,8 +230,8 @@ door_sample(Way, Atoms, Rooms, Before, door(Box,R,outside)) -->
 
 %!  joint_sample(+Rooms, +Atoms, +Types, +Wall, +Part, +Before, -Door)// is det.
 %
-%   The door between two rooms R-Q of these types, or opening(Box,R,Q) where they are open to each other, in the Part From-To of
-%   the Wall Axis-At that they share; all of it, where R is a part of Q. The doors Before are already placed.
+%   Door is the door between two rooms R-Q of these types, or opening(Box,R,Q) if they are open to each other. It lies in the Part From-To
+%   of the Wall Axis-At that they share, and fills that Part if R is a part of Q. The doors Before are already placed.
 
 joint_sample(R-Q, Atoms, _, Axis-At, From-To, _, opening(Box,R,Q)) -->
     { memberchk(part_of(R,Q), Atoms), !, Wall is To - From, segment(Axis, At, From, Wall, Box) }.
@@ -247,7 +249,7 @@ joint_sample(R-Q, _, T-U, Axis-At, From-To, Before, door(Box,R,Q)) -->
 line_side(Line, edges(edge(_,_,W),edge(_,_,E),edge(_,_,N),_), Side) :-
     ( Line == W -> Side = west ; Line == E -> Side = east ; Line == N -> Side = north ; Side = south ).
 
-%   wall_place(+Side, +Sides, -At): the middle of an inner wall at this side.
+%   wall_place(+Side, +Sides, -At): At is the centre line of an inner wall at this side.
 
 wall_place(Side, Sides, At) :-
     side_place(Side, Sides, Way, Face), length_of(inner_wall, T),
@@ -270,7 +272,7 @@ wall_range(R, Side, Rooms, Part, Length, Margin, Axis-At, Range) :-
 
 %!  start_range(+Part, +Length, +Margin, -Range) is det.
 %
-%   Something of this Length starts within the Range, a Margin away from both ends of a Part of a wall.
+%   An opening of this Length may start within the Range, so that it is at least a Margin away from both ends of the Part of a wall.
 
 start_range(From-To, Length, Margin, Low-High) :- Low is From + Margin, High is To - Length - Margin.
 
@@ -286,7 +288,8 @@ windows_sample([window(R,Side)|Panes], Atoms, Rooms, [window(Box,R)|Windows]) --
     { segment(Axis, At, Start, Length, Box) },
     windows_sample(Panes, Atoms, Rooms, Windows).
 
-%   window_range(+Type, +Wall, +Most, -Range): the lengths of a window in this wall, Most at most; all of it without a clause.
+%   window_range(+Type, +Wall, +Most, -Range): the lengths of a window in this wall, up to Most. Without a clause, the
+%   length is Most.
 
 window_range(Type, A1-A2, Most, Range) :- Wall is A2 - A1, window_lengths(Type, Wall, Most, Range), !.
 window_range(_, _, Most, Most-Most).
