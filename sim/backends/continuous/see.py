@@ -43,7 +43,7 @@ class Sight(RayBody):
 
     @ti.func
     def prefetch(self, numbers: ti.template(), indices: ti.template(), house, origin, cell):
-        """Read the first cache lines of a block: see ``Backend.prefetch``. Most blocks are no longer."""
+        """Read the first cache lines of a block: see ``Backend.prefetch``. Most blocks fit into them."""
         block = cell_of(numbers, indices, house, self.body.eye(origin, cell))
         some = indices[block]
         for k in ti.static(range(LINE, AHEAD, LINE)):
