@@ -168,7 +168,7 @@ def test_a_run_of_another_budget_or_with_other_options_is_refused(tmp_path: Path
     kept(training, 10)
     training.require_same()
     other = replace(training.entry, steps=5, changes={"avoidance": "none"})
-    with pytest.raises(RequestError, match=r"a run with other avoidance, steps\. Give"):
+    with pytest.raises(RequestError, match=r"a run with other avoidance, steps: choose"):
         EntryRun(other, 0, tmp_path).require_same()
     training.folder.config.write_text(json.dumps({"algorithm": "pqn", "config": {"colour": 3}}))
     with pytest.raises(RequestError, match="unknown field 'colour'"):

@@ -2,6 +2,7 @@
 
 import json
 import re
+import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
@@ -170,7 +171,7 @@ def test_a_count_of_layouts_knows_the_types_and_shows_how_far_it_is(
         yield "hall", 5678, True
 
     monkeypatch.setattr("vitruvius.logic.workers.count.counted", counted)
-    monkeypatch.setenv("TTY_COMPATIBLE", "1")
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     with pytest.raises(SystemExit, match="0"):
         main(["generate", "--rooms", "2", "--count-layouts"])
     shown = capsys.readouterr()

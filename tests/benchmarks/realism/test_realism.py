@@ -123,7 +123,7 @@ def test_a_grammar_with_fitted_weights_has_these_alone_and_makes_houses(tmp_path
 
 
 def test_too_few_plans_and_a_file_that_is_none_are_named(tmp_path: Path) -> None:
-    with pytest.raises(RequestError, match="20 plans or more"):
+    with pytest.raises(RequestError, match="give 20 or more of each"):
         Realism(houses=1, rooms=(4, 5), out=tmp_path).run()
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "letter.txt").write_text("no plan")

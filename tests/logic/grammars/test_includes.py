@@ -280,7 +280,7 @@ def test_what_contradicts_an_included_file_names_it_with_its_folder(
     )
     ((found, *_), _) = solver.submit(linted, folder).result(timeout=PATIENCE)
     assert (found.file, found.line) == (str(folder / "sizes.pl"), 4)
-    assert "the first stands in line 1 of parts/sizes.pl" in found.text
+    assert "the first is in line 1 of parts/sizes.pl" in found.text
 
 
 def test_a_file_has_one_name_in_whatever_is_said_of_its_lengths(

@@ -47,17 +47,22 @@ def test_every_part_of_a_home_is_derived_first_and_in_no_time(witness: PlanWitne
 
 
 def test_a_limit_ends_only_what_could_be_instead(witness: PlanWitness) -> None:
-    """The 14 values of a bed would take minutes, and late attempts find nothing."""
+    """The 14 values of a bed would take minutes, and late attempts find nothing.
+
+    On a busy machine, five seconds may be too few for the first of them.
+    """
     target = next(each for each in targets(witness) if each.endswith(".bed"))
-    for seconds in (0.0, 5.0):
+    for seconds in (0.0, 5.0, 40.0):
         begun = monotonic()
         whole = witness.why(target, begun + seconds)
-        assert monotonic() - begun < 20
+        assert monotonic() - begun < seconds + 15
         assert whole.derivations
         assert whole.lengths
         assert whole.others >= 10
         assert whole.tried == (whole.others if seconds else 0)
-    every = [each for choice in whole.choices for each in choice.instead]
+        every = [each for choice in whole.choices for each in choice.instead]
+        if any(each.known for each in every):
+            break
     assert any(each.known for each in every)
     assert all(each.possible or each.because or not each.known for each in every)
     assert str(whole) == "\n".join(as_text([whole]))
