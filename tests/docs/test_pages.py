@@ -66,7 +66,7 @@ def test_each_entry_of_the_changelog_is_an_item_of_a_list() -> None:
 ELSEWHERE = {
     "demo",
     "test",
-    "docs",
+    "site",
     "play",
     "info",
     "report",
