@@ -131,6 +131,11 @@ def from_json(content: bytes, kind: Any = None, pairs: Callable[[list[Any]], Any
         if _SURROGATE.search(content):  # half of a surrogate pair cannot be encoded
             json.dumps(found, ensure_ascii=False).encode()
         return found
+    except msgspec.ValidationError:
+        raise
+    except msgspec.DecodeError as error:
+        words = str(error).removeprefix("JSON is malformed: ")
+        raise ValueError(words.replace("Input data was truncated", "its end is missing")) from None
     except UnicodeEncodeError:
         raise ValueError("a text has half of a surrogate pair") from None
     except UnicodeDecodeError:

@@ -34,9 +34,10 @@ def simulator(config: TrainConfig) -> Config:
         if name in given:
             raise RequestError(f"--sim {text}: give each field once")
         given.add(name)
-        if name not in known or not value:
-            wrong = "" if name in known else f": {unknown('field', name, known)}"
-            raise RequestError(f"--sim {text}: give a field and its value, as in --sim noise=0.05{wrong}")
+        if name not in known:
+            raise RequestError(f"--sim {text}: {unknown('field', name, known)}")
+        if not value:
+            raise RequestError(f"--sim {text}: give a field and its value, as in --sim noise=0.05")
         try:
             values[name] = msgspec.json.decode(value)
         except msgspec.DecodeError:

@@ -183,5 +183,4 @@ def _parsed(line: bytes, place: str, whole_pixels: bool) -> House:
                 raise ValueError(f"its lengths are in {record['unit']}: cropping needs a house in pixels")
         return House.from_dict(record)
     except (ValueError, OverflowError) as error:
-        hint = " (the file is truncated)" if "truncated" in str(error) else ""
-        raise HouseFileError(f"{place}: not a house: {error}{hint}") from None
+        raise HouseFileError(f"{place}: not a house: {error}") from None

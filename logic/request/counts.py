@@ -72,8 +72,9 @@ def range_of(rooms: Any) -> tuple[int, int | None]:
     Raises ``RequestError`` for numbers that no house has.
     """
     least, most = rooms if _is_pair(rooms) else (rooms, rooms)
-    least = whole("rooms", least, 1, MOST_ROOMS)
-    most = whole("the most rooms", most, least, MOST_ROOMS)
+    least, most = whole("rooms", least, 1, MOST_ROOMS), whole("rooms", most, 1, MOST_ROOMS)
+    if most < least:
+        raise RequestError(f"rooms: {least} to {most}: the smaller number comes first")
     return least, None if most == least else most
 
 

@@ -16,7 +16,6 @@ from vitruvius.logic.grammar import Grammar, find
 from vitruvius.logic.house.parts import BODY
 from vitruvius.logic.request.brief import Brief, read_brief
 from vitruvius.logic.request.counts import (
-    MOST_ROOMS,
     Range,
     as_range,
     counts,
@@ -85,9 +84,7 @@ class HouseRequest(msgspec.Struct, frozen=True, dict=True, forbid_unknown_fields
 
     def __post_init__(self) -> None:
         """Raise ``RequestError`` for a request that makes no sense."""
-        whole("rooms", self.rooms, 1, MOST_ROOMS)
-        if self.most_rooms is not None:
-            whole("the most rooms", self.most_rooms, self.rooms, MOST_ROOMS)
+        range_of(self.rooms if self.most_rooms is None else (self.rooms, self.most_rooms))
         for noun, ranges in (("type", self.types), ("piece", self.furniture)):
             for name, wanted in ranges.items():
                 as_range(f"{noun} {name}", wanted)

@@ -227,6 +227,8 @@ class Generate:
                 f"--rooms {self.rooms}: give a whole number, as in --rooms 3, or for a set a range, as 4..10"
             )
         least, most = int(found[1]), int(found[2] or found[1])
+        if most < least:
+            raise RequestError(f"--rooms {self.rooms}: the smaller number comes first")
         if least != most and self.shard is None:
             raise RequestError(
                 f"--rooms {self.rooms}: only a set of houses can have a range of rooms: add its shards, as "

@@ -161,7 +161,7 @@ class Train(Generic[Kind]):
 
     def _houses(self) -> Any:
         """Return the training houses: a list, a set or a stream."""
-        from vitruvius.agent.banks import require_training
+        from vitruvius.agent.banks import BANKS, require_training
         from vitruvius.logic import HouseSet, HouseStream
         from vitruvius.logic.dataset.sets import SET
         from vitruvius.sim.environment.arguments import BANK, house_list
@@ -172,6 +172,8 @@ class Train(Generic[Kind]):
             return HouseSet(file, "train")
         if stream := HouseStream.read(str(file)):
             return stream
+        if str(file) in BANKS:
+            raise RequestError(f"{file} is reserved for evaluation: train on houses of vitruvius generate")
         houses = house_list(file)
         require_training(houses, file)
         return houses

@@ -298,7 +298,7 @@ def test_a_grammar_judges_the_houses_of_another(
         ('{"passage": "wide"}', "Expected `float`, got `str` - at `$.passage`"),
         ('{"passage": -1}', "Expected `float` >= 0"),
         ("[1]", "Expected `object`"),
-        ('{"passage"', "truncated"),
+        ('{"passage"', "its end is missing"),
     ],
 )
 def test_a_misspelt_or_impossible_promise_is_an_error_that_says_where(

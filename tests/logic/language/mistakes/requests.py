@@ -84,6 +84,8 @@ MISTAKES = (
         "generate --rooms 3 --type bathroom", ("--type bathroom: give a count, as in --type bathroom=2 or",)
     ),
     Command("generate --rooms 0", ("rooms must be a whole number, 1 or more, not 0",)),
+    Command("generate --rooms 4..2", ("--rooms 4..2: the smaller number comes first",)),
+    Command("train test-v1", ("test-v1 is reserved for evaluation",)),
     Command("generate --rooms 300", ("rooms must be at most 128, not 300",)),
     Command("generate --rooms 3 --seconds inf", ("seconds must be above 0 and below a million",)),
     Command("train --steps 0", ("steps must be above 0, not 0",)),
