@@ -58,8 +58,9 @@ def root(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     (root / "here").mkdir()
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(root / "here")
-        patch.setenv("HOME", str(root / "home"))
+        # Kernels and the compiled core of SWI-Prolog are no effects of an input: they stay in the real cache.
         patch.setenv("XDG_CACHE_HOME", os.environ.get("XDG_CACHE_HOME", str(Path.home() / ".cache")))
+        patch.setenv("HOME", str(root / "home"))
         yield root
 
 

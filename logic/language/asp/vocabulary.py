@@ -61,17 +61,21 @@ class Words:
     """Words of the core with the grammar's topology, for the words of a grammar."""
 
 
-def words(statements: Iterable[Statement], core: Words | None = None) -> Words:
-    """Return all words of these statements."""
+def words(statements: Iterable[Statement], core: Words | None = None, *, are_shipped: bool = False) -> Words:
+    """Return all words of these statements.
+
+    Plain literals of statements that are shipped are read as text. clingo writes no text of terms that are
+    nested very deep: it ends the process.
+    """
     found = Words(core=core)
     for statement in statements:
         node = statement.node
         if node.ast_type == ASTType.Rule:
             found.rules.append(statement)
-            if core or not _read_plain(node.head, statement, found, found.derived):
+            if not are_shipped or not _read_plain(node.head, statement, found, found.derived):
                 _read(node.head, statement, found, found.derived)
             for literal in node.body:
-                if core or not _read_plain(literal, statement, found, found.used):
+                if not are_shipped or not _read_plain(literal, statement, found, found.used):
                     _read(literal, statement, found, found.used)
         elif node.ast_type == ASTType.Defined:
             found.opened[node.name, node.arity] = Use(node, statement)
@@ -108,7 +112,7 @@ def _read_plain(node: AST, statement: Statement, found: Words, atoms: dict[Signa
 @cache
 def core_words(topology: tuple[Path, ...] = (STAR,)) -> Words:
     """Return the words of the core with these files of a topology and the files read on demand."""
-    return words(_core(topology))
+    return words(_core(topology), are_shipped=True)
 
 
 def _core(topology: tuple[Path, ...]) -> list[Statement]:
