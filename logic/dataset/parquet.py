@@ -1,5 +1,7 @@
 """Reader of untrusted Parquet files that checks the footer and the page headers before it unpacks a page.
 
+pyarrow ends the process if the statistics of a column are damaged, so the footer is read here.
+
 A few kilobytes of Parquet may unpack to terabytes: pages are compressed, texts of a dictionary are repeated,
 and texts share the beginning of the previous text (``DELTA_BYTE_ARRAY``). The footer may state other sizes
 than the page headers, so the reader checks the headers, too: https://parquet.apache.org/docs/file-format/.
@@ -12,7 +14,7 @@ from typing import Any, BinaryIO
 
 from vitruvius.logic.opener import opened
 
-MAX_FILE_BYTES, MAX_FOOTER_BYTES = 1 << 34, 1 << 26
+MAX_FILE_BYTES, MAX_FOOTER_BYTES = 1 << 34, 1 << 25
 """Largest size of a file, and of its footer, which lists the row groups, in bytes."""
 
 MAX_GROUP_BYTES, MAX_GROUP_VALUES = 1 << 27, 1 << 23
@@ -27,6 +29,9 @@ ENCODINGS = {0, 2, 3, 8}
 DATA, INDEX, DICTIONARY, DATA_2 = range(4)
 """Page types."""
 
+FIELDS = 5, 7, 9, 11
+"""Fields of Thrift's ``ColumnMetaData``: number of values, packed size, places of data and dictionary."""
+
 
 def groups(path: Path, first: int, schema: Any) -> Iterator[list[dict[str, Any]]]:
     """Yield the rows of a file from number ``first`` on, one row group at a time.
@@ -38,7 +43,7 @@ def groups(path: Path, first: int, schema: Any) -> Iterator[list[dict[str, Any]]
     from pyarrow.parquet import ParquetFile
 
     with opened(path, MAX_FILE_BYTES, unpack=False) as source:
-        _require_footer(source)
+        stated = _row_groups(source)
         try:
             with ParquetFile(path) as file:
                 if not file.schema_arrow.equals(schema):
@@ -47,7 +52,7 @@ def groups(path: Path, first: int, schema: Any) -> Iterator[list[dict[str, Any]]
                     for number in range(file.num_row_groups):
                         group = file.metadata.row_group(number)
                         if first < group.num_rows:
-                            _require_group(source, group)
+                            _require_group(source, stated[number], group.num_rows, file.schema)
                             _require_texts(in_short.read_row_group(number))
                             yield file.read_row_group(number).to_pylist()[max(first, 0) :]
                         first -= group.num_rows
@@ -55,8 +60,11 @@ def groups(path: Path, first: int, schema: Any) -> Iterator[list[dict[str, Any]]
             raise ValueError(str(error).partition("\n")[0]) from None
 
 
-def _require_footer(file: BinaryIO | GzipFile) -> None:
-    """Raise ``ValueError`` if the footer is larger than the file or than its bound."""
+def _row_groups(file: BinaryIO | GzipFile) -> list[list[list[int]]]:
+    """Return the numbers of each column of each row group that ``FIELDS`` names, from the footer.
+
+    Raises ``ValueError`` if the footer is damaged, or larger than the file or than its bound.
+    """
     size = file.seek(0, 2)
     file.seek(max(0, size - 8))
     length = int.from_bytes(file.read(8)[:4], "little")
@@ -64,6 +72,12 @@ def _require_footer(file: BinaryIO | GzipFile) -> None:
         raise ValueError("it is not a Parquet file, or it is truncated")
     if length > MAX_FOOTER_BYTES:
         raise ValueError(f"its list of row groups holds more than {MAX_FOOTER_BYTES >> 20} MiB")
+    file.seek(size - 8 - length)
+    try:
+        footer = Thrift(file.read(length)).struct()
+        return [[_integers(column[3], *FIELDS) for column in group[1]] for group in footer[4]]
+    except (AttributeError, KeyError, IndexError, TypeError, RecursionError):
+        raise ValueError("its list of row groups is damaged") from None
 
 
 def _texts(file: Any) -> list[str]:
@@ -72,43 +86,50 @@ def _texts(file: Any) -> list[str]:
     return [column.path for column in columns if column.physical_type == "BYTE_ARRAY"]
 
 
-def _require_group(file: BinaryIO | GzipFile, group: Any) -> None:
-    """Raise ``ValueError`` for a row group whose pages exceed the bounds."""
+def _integers(fields: dict[int, Any], *numbers: int) -> list[int]:
+    """Return fields by their numbers, 0 for an absent one. Raises ``TypeError`` unless all are integers."""
+    found = [fields.get(number, 0) for number in numbers]
+    if not all(type(each) is int for each in found):
+        raise TypeError("a field is not an integer")
+    return found
+
+
+def _require_group(file: BinaryIO | GzipFile, stated: list[list[int]], rows: int, schema: Any) -> None:
+    """Raise ``ValueError`` for a row group of so many rows whose pages exceed the bounds."""
     size = values = 0
-    for number in range(group.num_columns):
-        column = group.column(number)
+    for number, (count_stated, *places) in enumerate(stated):
         own = 0
-        for page, count in _pages(file, column):
+        for page, count in _pages(file, *places):
             size, own = size + page, own + count
             if size > MAX_GROUP_BYTES or values + own > MAX_GROUP_VALUES:
                 most = f"{MAX_GROUP_BYTES >> 20} MiB or {MAX_GROUP_VALUES:,} values"
                 raise ValueError(f"a row group holds more than {most}")
-        if not group.num_rows <= column.num_values <= own:
-            raise ValueError(f"its pages of {column.path_in_schema} hold more or fewer values than stated")
+        if not rows <= count_stated <= own:
+            raise ValueError(
+                f"its pages of {schema.column(number).path} hold more or fewer values than stated"
+            )
         values += own
 
 
-def _pages(file: BinaryIO | GzipFile, column: Any) -> Iterator[tuple[int, int]]:
+def _pages(file: BinaryIO | GzipFile, size: int, data: int, dictionary: int) -> Iterator[tuple[int, int]]:
     """Yield the unpacked size in bytes and the number of values of each page of a column chunk."""
-    place, size = column.data_page_offset, column.total_compressed_size
-    if column.has_dictionary_page and 0 < column.dictionary_page_offset < place:
-        place = column.dictionary_page_offset
+    place = dictionary if 0 < dictionary < data else data
     end = place + size
     while place < end:
         file.seek(place)
         head = Thrift(file.read(MAX_HEADER_BYTES))
         try:
             page = head.struct()
-            kind, unpacked, packed = (page[number] for number in (1, 2, 3))
+            kind, unpacked, packed = _integers(page, 1, 2, 3)
             about = page[{DATA: 5, DICTIONARY: 7, DATA_2: 8}[kind]]
-            encoding = about[4 if kind == DATA_2 else 2]
-        except (KeyError, IndexError, TypeError, RecursionError):
+            count, encoding = _integers(about, 1, 4 if kind == DATA_2 else 2)
+        except (AttributeError, KeyError, IndexError, TypeError, RecursionError):
             raise ValueError(f"the page header at byte {place} is damaged") from None
         if encoding not in ENCODINGS:
             raise ValueError(f"a page has the unsupported encoding {encoding}")
-        if unpacked < 0 or packed < 0 or about[1] < 0:
+        if unpacked < 0 or packed < 0 or count < 0:
             raise ValueError(f"the page header at byte {place} is damaged")
-        yield unpacked, 0 if kind == DICTIONARY else about[1]
+        yield unpacked, 0 if kind == DICTIONARY else count
         place += head.place + packed
 
 
@@ -134,7 +155,7 @@ def _length(array: Any) -> int:
 
 
 class Thrift:
-    """Decoder of the part of Thrift's compact protocol that page headers use."""
+    """Decoder of the part of Thrift's compact protocol that footers and page headers use."""
 
     def __init__(self, content: bytes) -> None:
         """Begin at the first byte."""
@@ -156,13 +177,19 @@ class Thrift:
                 return self._byte()
             case 4 | 5 | 6:
                 return self._whole()
-            case 7:
-                return self._skipped(8)
-            case 8:
-                return self._skipped(self._number())
+            case 7 | 8:
+                return self._skipped(8 if kind == 7 else self._number())
+            case 9:
+                return self._list()
             case 12:
                 return self.struct()
-        raise TypeError("no page header has such a field")
+        raise TypeError("no footer or page header has such a field")
+
+    def _list(self) -> list[Any]:
+        head = self._byte()
+        size, kind = head >> 4, head & 15
+        values = range(self._number() if size == 15 else size)
+        return [self._byte() if kind in {1, 2} else self._value(kind) for _ in values]
 
     def _byte(self) -> int:
         self.place += 1
