@@ -106,7 +106,7 @@ def test_opened_as_a_file_it_finds_words_and_asks_nothing_of_a_network(site: Pat
     page.goto((site / "index.html").as_uri())
     page.keyboard.press("Control+k")
     page.keyboard.type("washing machine")
-    page.get_by_text("3 results").wait_for()
+    page.get_by_text("4 results").wait_for()
     page.keyboard.press("Enter")
     page.wait_for_url("**/room-type.html*")
     assert page.locator("h1").inner_text().startswith("A room type")

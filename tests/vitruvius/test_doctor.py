@@ -7,6 +7,7 @@ import pytest
 
 from vitruvius.cli import main
 from vitruvius.logic.installation import prolog_command
+from vitruvius.logic.workers import pool
 
 ROOT = Path(__file__).parents[2]
 HOUSES = ROOT / "tests/fixtures/houses.jsonl"
@@ -25,6 +26,7 @@ def no_prolog(monkeypatch: pytest.MonkeyPatch) -> None:
     """Hide SWI-Prolog from solver processes: pyswip takes these paths unseen."""
     monkeypatch.setenv("LIBSWIPL_PATH", "/nowhere/libswipl.so")
     monkeypatch.setenv("SWI_HOME_DIR", "/nowhere")
+    monkeypatch.setattr(pool, "_idle", pool.Idle())  # solver processes of earlier tests have SWI-Prolog
 
 
 @pytest.mark.usefixtures("no_prolog")
