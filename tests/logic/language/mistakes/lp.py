@@ -732,7 +732,7 @@ MISTAKES = (
         old="",
         new=":- room(R,hall)\n:- side(0,north).",
         at=":- side",
-        says="or a period after the statement above?",
+        says="or a period after the statement above",
     ),
     # - rules without end or effect
     Mistake(
