@@ -14,8 +14,11 @@ from typing import Any, BinaryIO
 
 from vitruvius.logic.opener import opened
 
-MAX_FILE_BYTES, MAX_FOOTER_BYTES = 1 << 34, 1 << 25
+MAX_FILE_BYTES, MAX_FOOTER_BYTES = 1 << 34, 1 << 24
 """Largest size of a file, and of its footer, which lists the row groups, in bytes."""
+
+MAX_VALUES, MAX_VARINT_BITS = 1 << 23, 64
+"""Largest number of values of a footer or a page header, and largest size of a number in it."""
 
 MAX_GROUP_BYTES, MAX_GROUP_VALUES = 1 << 27, 1 << 23
 """Largest size of an unpacked row group: bytes, and values in all columns together."""
@@ -159,7 +162,7 @@ class Thrift:
 
     def __init__(self, content: bytes) -> None:
         """Begin at the first byte."""
-        self.content, self.place = content, 0
+        self.content, self.place, self.values = content, 0, 0
 
     def struct(self) -> dict[int, Any]:
         """Return the fields of a record by number. Raises ``IndexError`` if the record is truncated."""
@@ -170,6 +173,9 @@ class Thrift:
         return fields
 
     def _value(self, kind: int) -> Any:
+        self.values += 1
+        if self.values > MAX_VALUES:
+            raise IndexError(f"more than {MAX_VALUES:,} values")
         match kind:
             case 1 | 2:
                 return kind == 1
@@ -189,7 +195,7 @@ class Thrift:
         head = self._byte()
         size, kind = head >> 4, head & 15
         values = range(self._number() if size == 15 else size)
-        return [self._byte() if kind in {1, 2} else self._value(kind) for _ in values]
+        return [self._value(3 if kind in {1, 2} else kind) for _ in values]  # a truth value takes a byte
 
     def _byte(self) -> int:
         self.place += 1
@@ -200,6 +206,8 @@ class Thrift:
         while (byte := self._byte()) & 128:
             number |= (byte & 127) << shift
             shift += 7
+            if shift > MAX_VARINT_BITS:
+                raise IndexError("a number has too many bits")
         return number | byte << shift
 
     def _whole(self) -> int:
@@ -208,3 +216,5 @@ class Thrift:
 
     def _skipped(self, size: int) -> None:
         self.place += size
+        if self.place > len(self.content):
+            raise IndexError("a text ends after the end of the content")

@@ -52,6 +52,9 @@ MAX_RECORD_BYTES = 1 << 26
 MAX_SHARDS = 10**5
 """Largest number of shards of a set."""
 
+MAX_SHARD_ROWS = 500_000
+"""Largest number of rows of a shard, since the reader bounds the list of its row groups."""
+
 RULES = (".lp", ".pl", ".json")
 """Suffixes of the files that are copied from a grammar's folder."""
 
@@ -101,7 +104,8 @@ class Set(msgspec.Struct, frozen=True, dict=True, forbid_unknown_fields=True):
         whole("start", self.start, 0)
         for split, number in self.houses.items():
             whole(f"the houses of {split}", number, 1, MAX_COUNT - self.start)
-        whole("shards", self.shards, len(self.houses), min(MAX_SHARDS, sum(self.houses.values())))
+        least = sum(-(-number // MAX_SHARD_ROWS) for number in self.houses.values())
+        whole("shards", self.shards, least, min(MAX_SHARDS, sum(self.houses.values())))
         whole("seed", self.seed, 0, min(len(SPLITS[split]) for split in self.houses) - 1)
         if self.grammar in ("", ".", "..") or set(self.grammar) & set("/\\\0"):
             raise ValueError(f"{self.grammar!r} is not the name of a grammar")

@@ -19,7 +19,7 @@ from tests.logic.dataset.sets import command, made, restate
 from tests.programs import finished
 from vitruvius.logic import HouseFileError, HouseSet
 from vitruvius.logic.dataset.formats import read, schema
-from vitruvius.logic.dataset.parquet import MAX_GROUP_BYTES
+from vitruvius.logic.dataset.parquet import MAX_GROUP_BYTES, Thrift
 from vitruvius.logic.dataset.sets import MANIFEST, SET, Manifest, read_manifest, read_set
 
 ROOT = Path(__file__).parents[3]
@@ -288,3 +288,11 @@ def test_parquet_that_is_damaged_anywhere_is_refused_or_read(of_format: Path, tm
         path.write_bytes(content[:place] + bytes([byte]) + content[place + 1 :])
         with contextlib.suppress(ValueError, OSError):
             list(read(path))
+
+
+@pytest.mark.parametrize("kind", [0xF3, 0xF6, 0xF7, 0xF8, 0xF9, 0xFC])
+def test_a_list_of_thrift_that_is_longer_than_its_text_ends_at_once(kind: int) -> None:
+    numbers = b"\xff" * 8 + b"\x0f"
+    for text in (numbers + bytes(99), b"\xff" * 1_000_000):
+        with pytest.raises((IndexError, TypeError)):
+            Thrift(bytes([0x19, kind]) + text).struct()
