@@ -29,13 +29,13 @@ class Stages(NamedTuple, Generic[Sampled, Placed, Made]):
     """Stages of a house, or of a part of a house, as functions."""
 
     sample: Callable[[], Sampled]
-    """Returns a layout that no known failure excludes. Raises ``NoLayout`` if there is none."""
+    """Stage that returns a layout that no known failure excludes, or raises ``NoLayout`` if there is none."""
     place: Callable[[Sampled], Placed]
-    """Returns a layout with lengths. Raises a ``Failure`` if there are none."""
+    """Stage that returns a layout with lengths, or raises a ``Failure`` if there are none."""
     furnish: Callable[[Sampled, Placed], Made]
-    """Returns the furnished result. Raises a ``Failure`` for a room that cannot be furnished."""
+    """Stage that returns the furnished result, or raises a ``Failure`` if a room cannot be furnished."""
     learn: Callable[[Sampled, Failure], Sampled | None]
-    """Excludes a failure from further layouts. Returns the next layout, or None to sample it again.
+    """Stage that excludes a failure, and returns the next layout, or None to sample again.
 
     Raises ``LimitReached`` after too many failures.
     """

@@ -31,10 +31,10 @@ def load_core() -> None:
 
 
 def provide() -> None:
-    """Compile the core into the cache, unless it is there or cannot be.
+    """Compile the core into the cache, unless the cache has it or cannot take it.
 
-    A child process compiles, because the code of a process that compiles is not exactly what it writes.
-    Several processes may do so at once, each with a file of its own.
+    A child process compiles, because the code that a compiling process runs differs from what it writes.
+    Several processes may compile at once, each into a file of its own.
     """
     folder = _folder()
     if folder is None or compiled():

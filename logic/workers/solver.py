@@ -75,7 +75,7 @@ ENVIRONMENT = {"LC_ALL": "C.UTF-8", "PYTHONUTF8": "1"}
 """Settings that make rule files UTF-8 in every language of the user."""
 
 WSL = "on Windows install Vitruvius in WSL 2 (wsl --install)"
-"""Advice for a system whose pipes and process groups are others."""
+"""Advice for a system without the pipes and process groups of POSIX."""
 
 START = """
 import sys

@@ -76,7 +76,7 @@ class _Trees:
         self.free: dict[str, Any] = {}
 
     def parse(self, source: str) -> Any:
-        """Return a tree that is not in use, as a function may inline itself."""
+        """Return a syntax tree that no other call is using: a function may inline itself."""
         tree: Any = self.free.pop(source, None) or ast.parse(source)
         tree.source = source
         return tree

@@ -32,13 +32,13 @@ class Findings(msgspec.Struct, frozen=True):
 
 @dataclass(frozen=True)
 class Doctor:
-    """Check the programs and libraries that Vitruvius uses, and print the command that installs what lacks.
+    """Check the programs and libraries that Vitruvius uses, and print commands that install the missing ones.
 
     The exit code is 69 if a part is missing that generation needs.
     """
 
     json: bool = False
-    """Print one answer as JSON: what was found, and what lacks."""
+    """Print one answer as JSON: what was found, and what is missing."""
 
     def run(self) -> int:
         """Print the findings."""

@@ -29,7 +29,7 @@ PLAIN_ATOM = re.compile(r"(?:not )?(?!option\b|picks?\b|turn\b)([a-z_]\w*)(?:\((
 """Text of a literal of an atom whose arguments have no parts, and that is about no choice of ``option/3``."""
 
 WORD = re.compile(r"[a-z\"'#&]")
-"""Character that a text with words has. Variables may have it, too."""
+"""Pattern of a character that each text with a word contains. Variables may contain it, too."""
 
 CONSTANT = re.compile(r"(?<![\w#])_*[a-z]\w*")
 """Text of a constant among such arguments."""
